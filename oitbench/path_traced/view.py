@@ -1,0 +1,54 @@
+"""The pinhole camera as rays through the centers of a fixed sub-pixel grid, as GL samples it."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from oitbench.scene import Camera
+
+
+@dataclass(frozen=True)
+class View:
+    """A camera with the sub-pixel grid it is sampled on.
+
+    Parameters
+    ----------
+    camera : Camera
+    width, height : int
+        Sub-pixels: the image's size times `ssaa`.
+    """
+
+    camera: Camera
+    width: int
+    height: int
+
+    @property
+    def step(self) -> tuple[float, float]:
+        """Distance between sub-pixels, right and up, on the plane one metre in front."""
+        tall = 2 * math.tan(self.camera.fov_y / 2)
+        return tall * (self.width / self.height) / self.width, tall / self.height
+
+    def rays(
+        self, first: int, last: int
+    ) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
+        """Return the rays of the sub-pixels `first` … `last` − 1, row by row from the top.
+
+        Returns
+        -------
+        origins : array, shape (n, 3)
+            On the near plane, in metres.
+        directions : array, shape (n, 3)
+            Unit vectors.
+        """
+        index = np.arange(first, last)
+        right, up, back = self.camera.axes
+        step_x, step_y = self.step
+        x = (index % self.width + 0.5 - self.width / 2) * step_x
+        y = (self.height / 2 - index // self.width - 0.5) * step_y
+        forward = x[:, None] * right + y[:, None] * up - back
+        origins = np.asarray(self.camera.position) + self.camera.near * forward
+        return origins, forward / np.linalg.norm(forward, axis=1, keepdims=True)
