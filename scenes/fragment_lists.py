@@ -1,0 +1,93 @@
+"""Independent random fragment lists, one per pixel: no geometry, only compositing.
+
+Each pixel holds `layers` fragments in random order, so one picture of 256 × 256 pixels is 65,536
+random test cases. Distances are uniform in [0.5, 20] m. They differ by more than the step of a
+32-bit depth buffer, unless ties are asked for.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from oitbench.errors import UsageError
+from oitbench.scene import Camera, FragmentLists, Scene
+from oitbench.selector import Parameter
+
+NEAREST, FARTHEST = 0.5, 20.0
+LARGEST_GAP = 1e-3
+BRIGHTEST_HDR = 100.0
+
+parameters = {
+    "detail": Parameter(1.0, low=0.0, high=100.0, help="factor on the number of lists"),
+    "width": Parameter(256, low=1, high=8192, help="lists per row at detail 1"),
+    "height": Parameter(256, low=1, high=8192, help="rows of lists at detail 1"),
+    "layers": Parameter(8, low=1, high=4096, help="fragments in each list"),
+    "alpha_low": Parameter(0.05, low=0.0, high=1.0, help="least coverage"),
+    "alpha_high": Parameter(0.95, low=0.0, high=1.0, help="greatest coverage"),
+    "tinted": Parameter(False, help="colored transmission in place of none"),
+    "hdr": Parameter(False, help="radiance spread evenly in stops from 0.01 to 100"),
+    "ties": Parameter(False, help="about half of the distances equal another one exactly"),
+    "seed": Parameter(1, low=0, help="seed of all random numbers"),
+}
+
+
+def build(
+    *,
+    name: str,
+    detail: float,
+    width: int,
+    height: int,
+    layers: int,
+    alpha_low: float,
+    alpha_high: float,
+    tinted: bool,
+    hdr: bool,
+    ties: bool,
+    seed: int,
+) -> Scene:
+    """Return the lists; all values but the distances are independent and uniform."""
+    if alpha_low > alpha_high:
+        raise UsageError(
+            f"{name}: alpha_low is {alpha_low:g}; it must not exceed alpha_high = {alpha_high:g}"
+        )
+    random = np.random.default_rng(seed)
+    rows, columns = (max(1, round(side * detail**0.5)) for side in (height, width))
+    shape = (layers, rows, columns)
+    z = _tied_distances(random, shape) if ties else _distinct_distances(random, shape)
+    coverage = alpha_low + (alpha_high - alpha_low) * random.random(shape, dtype=np.float32)
+    radiance = random.random((*shape, 3), dtype=np.float32)
+    if hdr:
+        radiance = np.float32(BRIGHTEST_HDR) ** (2 * radiance - 1)
+    transmission = np.zeros((*shape, 3), dtype=np.float32)
+    if tinted:
+        random.random(out=transmission, dtype=np.float32)
+    return Scene(
+        name=name,
+        camera=Camera(position=(0, 0, 0), target=(0, 0, -1), near=0.1),
+        lists=FragmentLists(z, np.clip(coverage, 0, 1), radiance, transmission),
+        background=(0.35, 0.30, 0.25),
+    )
+
+
+def _distinct_distances(
+    random: np.random.Generator, shape: tuple[int, int, int]
+) -> npt.NDArray[np.float32]:
+    """Return uniform distances under the condition that no two of a list are closer than a gap."""
+    layers = shape[0]
+    gap = min(LARGEST_GAP, 0.1 * (FARTHEST - NEAREST) / layers)
+    z = random.random(shape, dtype=np.float32)
+    z.sort(axis=0)
+    # Uniform in the range without its gaps; then each gap is put back in.
+    z *= np.float32(FARTHEST - NEAREST - gap * (layers - 1))
+    z += (NEAREST + gap * np.arange(layers, dtype=np.float32))[:, None, None]
+    random.permuted(z, axis=0, out=z)
+    return z
+
+
+def _tied_distances(
+    random: np.random.Generator, shape: tuple[int, int, int]
+) -> npt.NDArray[np.float32]:
+    """Return distances on evenly spaced steps, fewer than there are fragments in a list."""
+    steps = np.linspace(NEAREST, FARTHEST, max(1, shape[0] // 2), dtype=np.float32)
+    return np.asarray(steps[random.integers(len(steps), size=shape)])

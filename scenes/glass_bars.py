@@ -1,0 +1,96 @@
+"""Two crossed grids of colored glass bars before patterned paper, one bar deep each.
+
+Every bar is an object and a thin sheet: it covers fully, transmits one saturated color and
+reflects almost nothing. Bars of one grid never overlap, and all of one grid lie nearer than all
+of the other, so sorting by object is exact: a method without colored transmission has no excuse.
+The arrangement is that of figure 7 of McGuire & Mara 2017, "Phenomenological Transparency".
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from oitbench.bake import Floats, with_radiance
+from oitbench.geometry import divisions, frames, grid, scatter
+from oitbench.scene import RGB, WHITE, Camera, Material, Mesh, Object, Scene
+from oitbench.selector import Parameter
+
+# Transmission of one bar. No channel is black, so that crossings of opposite colors stay legible.
+GLASS: dict[str, RGB] = {
+    "red": (0.90, 0.07, 0.07),
+    "amber": (0.95, 0.52, 0.05),
+    "yellow": (0.93, 0.86, 0.10),
+    "green": (0.10, 0.74, 0.18),
+    "cyan": (0.08, 0.78, 0.88),
+    "blue": (0.08, 0.16, 0.90),
+    "magenta": (0.86, 0.10, 0.72),
+}
+PITCH, WIDTH, LENGTH = 0.36, 0.24, 2.8
+FRONT, BACK, PAPER = 0.35, -0.35, -1.1
+
+parameters = {
+    "detail": Parameter(1.0, low=0.0, high=100.0, help="factor on the triangles of a surface"),
+    "reflection": Parameter(0.05, low=0.0, high=1.0, help="radiance that a bar adds, at most"),
+}
+
+
+def build(*, name: str, detail: float, reflection: float) -> Scene:
+    """Return the two grids; upright bars in front, level bars behind."""
+    offsets = PITCH * (np.arange(len(GLASS)) - (len(GLASS) - 1) / 2)
+    cells = (divisions(8, detail, 2), divisions(24, detail, 2))
+    bars = []
+    for number, (color, transmission) in enumerate(GLASS.items()):
+        material = Material(
+            coverage=1.0,
+            transmission=transmission,
+            emission=(reflection, reflection, reflection),
+        )
+        # The rows take every second offset, so neighbors contrast in both grids.
+        row = float(offsets[(2 * number + 1) % len(GLASS)])
+        upright = grid(
+            (float(offsets[number]), 0, FRONT), (WIDTH / 2, 0, 0), (0, LENGTH / 2, 0), *cells
+        )
+        level = grid((0, row, BACK), (0, -WIDTH / 2, 0), (LENGTH / 2, 0, 0), *cells)
+        bars.append(Object(f"upright {color}", _streaked(upright), material))
+        bars.append(Object(f"level {color}", _streaked(level), material))
+    paper = Object("paper", _paper(detail), Material(emission=WHITE))
+    camera = Camera(position=(-1.0, 0.66, 4.9), target=(0, 0, -0.1), fov_y=math.radians(36))
+    return Scene(name=name, camera=camera, objects=(paper, *bars), background=(0.62, 0.58, 0.52))
+
+
+def _streaked(bar: Mesh) -> Mesh:
+    """Return `bar` with the reflection of a window: brightest along a line left of its middle."""
+    assert bar.uvs is not None
+    across, along = bar.uvs[:, 0].astype(np.float64), bar.uvs[:, 1].astype(np.float64)
+    streak = np.exp(-(((across - 0.3) / 0.13) ** 2)) * (0.55 + 0.45 * np.sin(5 * along + 0.6))
+    rim = (2 * across - 1) ** 6
+    return with_radiance(bar, (0.12 + 0.7 * streak + 0.18 * rim)[:, None].repeat(3, axis=1))
+
+
+def _paper(detail: float) -> Mesh:
+    """Return a checkered sheet that over-fills the view, lit softly from the upper left."""
+    cells = divisions(3, detail)
+    columns, rows, side = 56, 24, 0.22
+    column, row = (axis.ravel() for axis in np.meshgrid(np.arange(columns), np.arange(rows)))
+    centers = np.stack(
+        [
+            (column - (columns - 1) / 2) * side,
+            (row - (rows - 1) / 2) * side,
+            np.full(column.shape, PAPER),
+        ],
+        axis=1,
+    )
+    edge = np.full((len(centers), 1), side / 2)
+    placed = frames(centers, edge * [1.0, 0.0, 0.0], edge * [0.0, 1.0, 0.0])
+    tile = grid((0, 0, 0), (1, 0, 0), (0, 1, 0), cells, cells)
+    sheet = scatter(tile, placed)
+    dark = np.repeat((column + row) % 2 == 1, len(tile.positions))
+    ink = np.where(dark[:, None], (0.70, 0.72, 0.76), (0.95, 0.92, 0.87))
+    return with_radiance(sheet, ink * _lamp(sheet.positions.astype(np.float64)))
+
+
+def _lamp(positions: Floats) -> Floats:
+    distance = np.hypot(positions[:, 0] + 0.5, positions[:, 1] - 0.6)
+    return (0.62 + 0.38 / (1 + (distance / 2.2) ** 2))[:, None]

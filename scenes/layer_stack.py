@@ -1,0 +1,113 @@
+"""Parallel planes that fill the view: every pixel holds the same layers, so a closed form exists.
+
+With the layers ordered from near to far, the picture is Σ αᵢ Lᵢ Π τⱼ + C₀ Π τ everywhere, where
+τ = 1 − α + αt and C₀ is the background. Each plane is an object of its own and perpendicular to
+the view axis, so sorting objects by distance is exact here. The planes over-fill views up to 4:1.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from oitbench.errors import UsageError
+from oitbench.geometry import divisions, grid
+from oitbench.scene import RGB, WHITE, Camera, Material, Object, Scene
+from oitbench.selector import Parameter
+
+PALETTES: dict[str, tuple[RGB, ...]] = {
+    "spectrum": (
+        (0.90, 0.16, 0.12),
+        (0.95, 0.55, 0.10),
+        (0.55, 0.80, 0.14),
+        (0.10, 0.62, 0.52),
+        (0.16, 0.34, 0.88),
+        (0.58, 0.22, 0.76),
+    ),
+    "red_blue": ((0.90, 0.10, 0.10), (0.10, 0.10, 0.90)),
+    "blue_red": ((0.10, 0.10, 0.90), (0.90, 0.10, 0.10)),
+    "red_white": ((1.0, 0.0, 0.0), WHITE),
+    "grey": ((0.5, 0.5, 0.5),),
+    "white": (WHITE,),
+}
+WIDEST_ASPECT = 4.0
+
+parameters = {
+    "detail": Parameter(1.0, low=0.0, high=100.0, help="tessellation; the picture stays the same"),
+    "count": Parameter(6, low=1, high=4096, help="number of planes"),
+    "alpha": Parameter(0.5, low=0.0, high=1.0, help="coverage of each plane"),
+    "palette": Parameter(
+        "spectrum", choices=tuple(PALETTES), help="colors, repeated front to back"
+    ),
+    "radiance": Parameter(1.0, low=0.0, help="factor on the planes' radiance, for HDR"),
+    "transmission": Parameter("none", choices=("none", "grey", "colored"), help="kind of t"),
+    "clarity": Parameter(0.6, low=0.0, high=1.0, help="t itself, or a factor on a colored t"),
+    "first": Parameter(2.0, low=0.001, help="view distance of the nearest plane, m"),
+    "spacing": Parameter(0.5, low=0.0, help="distance between planes, m; 0 makes exact ties"),
+    "near": Parameter(0.1, low=0.0001, help="near plane of the camera, m"),
+    "background": Parameter(0.25, low=0.0, help="radiance C₀ behind all planes, grey"),
+    "order": Parameter(
+        "shuffled", choices=("shuffled", "near_first", "far_first"), help="order of submission"
+    ),
+    "seed": Parameter(1, low=0, help="seed of the shuffled order"),
+}
+
+
+def build(
+    *,
+    name: str,
+    detail: float,
+    count: int,
+    alpha: float,
+    palette: str,
+    radiance: float,
+    transmission: str,
+    clarity: float,
+    first: float,
+    spacing: float,
+    near: float,
+    background: float,
+    order: str,
+    seed: int,
+) -> Scene:
+    """Return the stack, in the chosen order of submission."""
+    if first <= near:
+        raise UsageError(f"{name}: first is {first:g} m; it must lie beyond near = {near:g} m")
+    camera = Camera(position=(0, 0, 0), target=(0, 0, -1), near=near)
+    cells = divisions(1, detail)
+    colors = PALETTES[palette]
+    planes = []
+    for index in range(count):
+        color = colors[index % len(colors)]
+        material = Material(
+            coverage=alpha,
+            transmission=_transmission(transmission, clarity, color),
+            emission=_scaled(color, radiance),
+        )
+        distance = first + index * spacing
+        half = 1.1 * distance * math.tan(camera.fov_y / 2)
+        mesh = grid((0, 0, -distance), (WIDEST_ASPECT * half, 0, 0), (0, half, 0), cells, cells)
+        planes.append(Object(f"plane {index}", mesh, material))
+    return Scene(
+        name=name,
+        camera=camera,
+        objects=tuple(planes[index] for index in _submission(order, count, seed)),
+        background=(background, background, background),
+    )
+
+
+def _transmission(kind: str, clarity: float, color: RGB) -> RGB:
+    if kind == "none":
+        return (0.0, 0.0, 0.0)
+    return (clarity, clarity, clarity) if kind == "grey" else _scaled(color, clarity)
+
+
+def _scaled(color: RGB, factor: float) -> RGB:
+    return (factor * color[0], factor * color[1], factor * color[2])
+
+
+def _submission(order: str, count: int, seed: int) -> list[int]:
+    if order == "shuffled":
+        return [int(index) for index in np.random.default_rng(seed).permutation(count)]
+    return list(range(count)) if order == "near_first" else list(reversed(range(count)))
