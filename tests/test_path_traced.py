@@ -15,7 +15,7 @@ import pytest
 from oitbench.errors import CapabilityError, SceneError, UsageError
 from oitbench.path_traced import llvm
 from oitbench.path_traced.exporter import require_traceable
-from oitbench.path_traced.render import render
+from oitbench.path_traced.render import _Statistics, render
 from oitbench.path_traced.view import View
 from oitbench.scene import (
     RGB,
@@ -92,6 +92,39 @@ def test_a_stack_of_colored_films_is_composited_without_noise() -> None:
     np.testing.assert_allclose(estimate.mean, expected, atol=1e-5)
     assert (estimate.variance == 0).all()
     np.testing.assert_array_equal(*estimate.halves)
+
+
+@needs_mitsuba
+@pytest.mark.parametrize("variant", [None, llvm.SLOW_VARIANT])
+def test_volpath_agrees_where_films_are_far_apart(variant: str | None) -> None:
+    scene = _stack(_materials(6))
+    own = render(scene, (3, 2), ssaa=1, variant=variant)
+    estimate = render(scene, (3, 2), ssaa=1, spp=3, variant=variant, volpath=True)
+    np.testing.assert_allclose(own.mean, estimate.mean, atol=1e-6)
+    assert (estimate.spp, own.spp) == (3, 1)
+    assert estimate.variance.max() < 1e-12
+
+
+@needs_mitsuba
+def test_layers_a_hair_apart_are_all_met_and_none_twice() -> None:
+    gap, count = 2e-5, 40
+    film = Material(coverage=0.02, emission=(1.0, 1.0, 1.0), transmission=(0.0, 1.0, 1.0))
+    films = tuple(Object(str(i), _quad(-gap * i, tilt=1.0), film) for i in range(count))
+    image = render(Scene("hairs", FRONT, films), (8, 8)).mean
+    expected = (1 - 0.98**count, 0.02 * count, 0.02 * count)
+    np.testing.assert_allclose(image, np.broadcast_to(expected, (8, 8, 3)), atol=1e-4)
+
+
+def test_statistics_are_those_of_numpy() -> None:
+    samples = np.random.default_rng(2).random((5, 2, 3, 3)).astype(np.float32)
+    statistics = _Statistics()
+    for sample in samples:
+        statistics.add(sample)
+    estimate = statistics.estimate()
+    np.testing.assert_allclose(estimate.mean, samples.mean(axis=0), rtol=1e-6)
+    np.testing.assert_allclose(estimate.variance, samples.var(axis=0, ddof=1) / 5, rtol=1e-5)
+    np.testing.assert_allclose(estimate.halves[0], samples[::2].mean(axis=0), rtol=1e-6)
+    np.testing.assert_allclose(estimate.halves[1], samples[1::2].mean(axis=0), rtol=1e-6)
 
 
 @needs_mitsuba

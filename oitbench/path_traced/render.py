@@ -1,10 +1,9 @@
-"""Rendering with Mitsuba's `volpath`: box filter, no denoiser, fixed sub-pixel positions."""
+"""Path tracing with a box filter, no denoiser, and rays through fixed sub-pixel positions."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
-from types import ModuleType
 from typing import Any
 
 import numpy as np
@@ -13,6 +12,7 @@ from oitbench.errors import SceneError, UsageError
 from oitbench.images import Image, box_downsample
 from oitbench.path_traced import llvm
 from oitbench.path_traced.exporter import export
+from oitbench.path_traced.integrators import make_straight, make_volpath, trace
 from oitbench.path_traced.view import View
 from oitbench.scene import Scene
 
@@ -35,11 +35,14 @@ class Estimate:
         Variance of that mean.
     halves : pair of array, shape (h, w, 3), float32
         Means of the even and the odd samples; how they differ is the noise floor.
+    spp : int
+        Samples that were taken for each sub-pixel.
     """
 
     mean: Image
     variance: Image
     halves: tuple[Image, Image]
+    spp: int
 
 
 def render(
@@ -50,6 +53,7 @@ def render(
     seed: int = 1,
     progress: Progress | None = None,
     variant: str | None = None,
+    volpath: bool = False,
 ) -> Estimate:
     """Path-trace `scene`.
 
@@ -61,11 +65,14 @@ def render(
     ssaa : int
         Rays go through the centers of ssaa × ssaa sub-pixels of each pixel, where GL samples too.
     spp : int
-        Samples for each sub-pixel, at least two.
+        Samples for each sub-pixel, at least two. The straight integrator takes a single one: it
+        draws no random number, so all would be equal.
     seed : int
     progress : callable, optional
     variant : str, optional
         Mitsuba's variant; the fastest that works without.
+    volpath : bool
+        Use Mitsuba's own integrator, to check the straight one against.
 
     Returns
     -------
@@ -83,20 +90,28 @@ def render(
     _check(size, ssaa, spp)
     mitsuba = llvm.load(variant)
     view = View(scene.camera, size[0] * ssaa, size[1] * ssaa)
-    tracer = _Tracer(mitsuba, export(scene, view, mitsuba), view)
-    statistics = _Statistics(spp)
-    chunks = tracer.chunks()
-    for sample in range(spp):
+    exported = export(scene, view, mitsuba)
+    integrator = make_volpath(mitsuba) if volpath else make_straight(mitsuba)
+    chunks = _chunks(view)
+    passes = spp if volpath else 1
+    statistics = _Statistics()
+    for sample in range(passes):
         image = np.empty((view.width * view.height, 3), dtype=np.float32)
         for number, (first, last) in enumerate(chunks):
-            image[first:last] = tracer.trace(first, last, (seed, sample, number))
+            state = int(np.random.SeedSequence((seed, sample, number)).generate_state(1)[0])
+            image[first:last] = trace(mitsuba, integrator, exported, view.rays(first, last), state)
             if progress is not None:
-                progress(sample * len(chunks) + number + 1, spp * len(chunks))
+                progress(sample * len(chunks) + number + 1, passes * len(chunks))
         broken = int((~np.isfinite(image)).any(axis=-1).sum())
         if broken:
             raise SceneError(f"scene {scene.name}: {broken} path-traced rays are not finite")
         statistics.add(box_downsample(image.reshape(view.height, view.width, 3), ssaa))
     return statistics.estimate()
+
+
+def _chunks(view: View) -> list[tuple[int, int]]:
+    count = view.width * view.height
+    return [(first, min(first + _CHUNK, count)) for first in range(0, count, _CHUNK)]
 
 
 def _check(size: tuple[int, int], ssaa: int, spp: int) -> None:
@@ -108,48 +123,10 @@ def _check(size: tuple[int, int], ssaa: int, spp: int) -> None:
         raise UsageError(f"spp is {spp}; the noise floor needs at least 2 samples")
 
 
-@dataclass(frozen=True)
-class _Tracer:
-    mitsuba: ModuleType
-    scene: Any
-    view: View
-
-    def chunks(self) -> list[tuple[int, int]]:
-        count = self.view.width * self.view.height
-        return [(first, min(first + _CHUNK, count)) for first in range(0, count, _CHUNK)]
-
-    def trace(self, first: int, last: int, seed: tuple[int, int, int]) -> Image:
-        """Return the radiance along the rays `first` … `last` − 1, shape (n, 3)."""
-        mitsuba = self.mitsuba
-        # Films count as no bounce, so neither the depth nor Russian roulette limits their number.
-        integrator = mitsuba.load_dict({"type": "volpath", "max_depth": -1, "rr_depth": 1 << 20})
-        sampler = mitsuba.load_dict({"type": "independent"})
-        state = int(np.random.SeedSequence(seed).generate_state(1)[0])
-        origins, directions = self.view.rays(first, last)
-        if mitsuba.variant().startswith("scalar"):
-            sampler.seed(state)
-            rays = self._single_rays(origins, directions)
-            radiance = [integrator.sample(self.scene, sampler, ray)[0] for ray in rays]
-            return np.asarray([list(color) for color in radiance], dtype=np.float32)
-        sampler.seed(state, last - first)
-        ray = mitsuba.Ray3f(
-            mitsuba.Point3f(*origins.T.astype(np.float32)),
-            mitsuba.Vector3f(*directions.T.astype(np.float32)),
-        )
-        color, _, _ = integrator.sample(self.scene, sampler, mitsuba.RayDifferential3f(ray))
-        return np.array(color, dtype=np.float32).T
-
-    def _single_rays(self, origins: Any, directions: Any) -> Iterator[Any]:
-        mitsuba = self.mitsuba
-        for origin, direction in zip(origins.tolist(), directions.tolist(), strict=True):
-            yield mitsuba.RayDifferential3f(mitsuba.Ray3f(origin, direction))
-
-
 class _Statistics:
     """Running mean and variance over samples, and the means of both halves (Welford 1962)."""
 
-    def __init__(self, spp: int) -> None:
-        self._spp = spp
+    def __init__(self) -> None:
         self._count = 0
         self._mean: Any = 0.0
         self._squares: Any = 0.0
@@ -165,9 +142,12 @@ class _Statistics:
 
     def estimate(self) -> Estimate:
         count = self._count
+        mean = self._mean.astype(np.float32)
+        if count == 1:
+            return Estimate(mean, np.zeros_like(mean), (mean, mean), 1)
         first, second = (
             (total / number).astype(np.float32)
             for total, number in zip(self._sums, ((count + 1) // 2, count // 2), strict=True)
         )
         variance = self._squares / (count - 1) / count
-        return Estimate(self._mean.astype(np.float32), variance.astype(np.float32), (first, second))
+        return Estimate(mean, variance.astype(np.float32), (first, second), count)
