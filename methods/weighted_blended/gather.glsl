@@ -1,0 +1,18 @@
+// McGuire & Bavoil 2013, equations 7 to 10; z in metres, d window depth.
+float weight(float z, float d) {
+#if WEIGHT == 7
+    return clamp(10.0 / (1e-5 + pow(z / 5.0, 2.0) + pow(z / 200.0, 6.0)), 1e-2, 3e3);
+#elif WEIGHT == 8
+    return clamp(10.0 / (1e-5 + pow(z / 10.0, 3.0) + pow(z / 200.0, 6.0)), 1e-2, 3e3);
+#elif WEIGHT == 9
+    return clamp(0.03 / (1e-5 + pow(z / 200.0, 4.0)), 1e-2, 3e3);
+#else
+    return max(1e-2, 3e3 * pow(1.0 - d, 3.0));
+#endif
+}
+
+void gather(Fragment fragment) {
+    vec4 layer = premultiplied(fragment);
+    accum = layer * (layer.a * weight(fragment.z, fragment.depth));
+    reveal = layer.a;
+}

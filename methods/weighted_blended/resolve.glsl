@@ -1,0 +1,6 @@
+// The weighted mean color covers what the transmittance does not reveal.
+void resolve() {
+    vec4 sum = read_accum();
+    float covered = 1.0 - read_reveal();
+    color = vec4(sum.rgb / max(sum.a, 1e-5) * covered, covered);
+}

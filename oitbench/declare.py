@@ -1,0 +1,274 @@
+"""What a method is made of: targets, buffers and passes, as data.
+
+From these the engine derives textures, framebuffers, clears, blend and depth state, the GLSL
+prelude, the memory and the traffic. A method makes no OpenGL call and counts no byte.
+"""
+
+from __future__ import annotations
+
+import enum
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import ClassVar
+
+from oitbench.effects import Effect
+from oitbench.errors import UsageError, unknown
+from oitbench.formats import GLSL_BYTES, Format, find
+from oitbench.selector import Parameter, Value, variant
+
+
+class Factor(enum.IntEnum):
+    """OpenGL's blend factors."""
+
+    ZERO = 0
+    ONE = 1
+    SOURCE_COLOR = 0x0300
+    ONE_MINUS_SOURCE_COLOR = 0x0301
+    ONE_MINUS_SOURCE_ALPHA = 0x0303
+    SECOND_SOURCE_COLOR = 0x88F9
+
+
+class Equation(enum.IntEnum):
+    """OpenGL's blend equations."""
+
+    SUM = 0x8006
+    MINIMUM = 0x8007
+    MAXIMUM = 0x8008
+
+
+@dataclass(frozen=True)
+class Blend:
+    """How a shader's output meets a target: source × `source` (equation) target × `target`.
+
+    Parameters
+    ----------
+    source, target : Factor
+        Factors of red, green and blue, and of alpha unless given apart.
+    equation : Equation
+    source_alpha, target_alpha : Factor, optional
+        Factors of the alpha channel.
+    dual : bool
+        Whether the shader has a second output `NAME_factor` for this target, which then must be the
+        only one of its pass.
+    """
+
+    source: Factor
+    target: Factor
+    equation: Equation = Equation.SUM
+    source_alpha: Factor | None = None
+    target_alpha: Factor | None = None
+    dual: bool = False
+
+    @property
+    def reads(self) -> bool:
+        """Whether blending reads the target."""
+        return self.equation is not Equation.SUM or self.target is not Factor.ZERO
+
+
+REPLACE = Blend(Factor.ONE, Factor.ZERO)
+"""target ← source"""
+ADD = Blend(Factor.ONE, Factor.ONE)
+"""target ← target + source"""
+OVER = Blend(Factor.ONE, Factor.ONE_MINUS_SOURCE_ALPHA)
+"""target ← source + (1 − source alpha)·target, premultiplied (Porter and Duff 1984)"""
+ATTENUATE = Blend(Factor.ZERO, Factor.ONE_MINUS_SOURCE_COLOR)
+"""target ← (1 − source)·target, per channel"""
+MODULATE = Blend(Factor.ZERO, Factor.SOURCE_COLOR)
+"""target ← source·target, per channel"""
+COMPOSITE = Blend(Factor.ONE, Factor.SECOND_SOURCE_COLOR, dual=True)
+"""target ← source + factor·target, per channel, by dual-source blending"""
+
+
+@dataclass(frozen=True)
+class Target:
+    """A texture of the frame's size that passes write and read.
+
+    Parameters
+    ----------
+    format : str
+        A name of `oitbench.formats.FORMATS`.
+    clear : tuple of float
+        One value a component, set at the start of each frame.
+    when : Effect
+        Allocated only if one of these effects runs; NONE for always.
+    """
+
+    format: str
+    clear: tuple[float, ...] = (0.0,)
+    when: Effect = Effect.NONE
+
+    @property
+    def texel(self) -> Format:
+        """The format's entry in the table."""
+        return find(self.format)
+
+
+class Items(enum.Enum):
+    """What a buffer holds one record of, and so what its size scales with."""
+
+    PIXELS = "pixel"
+    FRAGMENTS = "fragment"
+
+
+@dataclass(frozen=True)
+class Buffer:
+    """Records that shaders read and write freely.
+
+    Each field is a storage block of its own, so that a driver's limit on one block (128 MiB on
+    some) holds a field and not a record. The prelude gives `NAME_FIELD(i)`, `set_NAME_FIELD(i, v)`,
+    and for uint fields `exchange_`, `add_`, `min_` and `max_NAME_FIELD(i, v)`. A buffer of fragments
+    also gives `allocate_NAME()`: the index of a fresh record, or NONE when memory has run out (the
+    engine then redoes the frame with enough).
+
+    Parameters
+    ----------
+    fields : mapping of str to str
+        GLSL type of each field.
+    items : Items
+    clear : int, optional
+        Value of every 32-bit word at the start of each frame; left as it is without.
+    when : Effect
+        Allocated only if one of these effects runs; NONE for always.
+    """
+
+    fields: Mapping[str, str]
+    items: Items
+    clear: int | None = None
+    when: Effect = Effect.NONE
+
+    @property
+    def record_bytes(self) -> int:
+        """Bytes of one record."""
+        return sum(GLSL_BYTES[kind] for kind in self.fields.values())
+
+
+class Draws(enum.Enum):
+    """What a pass rasterizes."""
+
+    FRAGMENTS = "fragments"
+    """All transparent geometry; the shader defines `void gather(Fragment fragment)`."""
+    PIXELS = "pixels"
+    """One triangle over the frame; the shader defines `void resolve()`."""
+
+
+class Order(enum.Enum):
+    """In which order geometry is submitted."""
+
+    SUBMISSION = "submission"
+    OBJECTS = "object"
+    """Objects by view distance of their bounding box's center, far first."""
+    TRIANGLES = "triangle"
+    """Triangles by view distance of their centroid, far first, over all objects."""
+
+
+@dataclass(frozen=True)
+class Pass:
+    """One draw of all geometry, or of the whole screen, with one shader.
+
+    Parameters
+    ----------
+    shader : str
+        File in the method's folder.
+    draws : Draws
+    reads : tuple of str
+        Targets that the shader reads with `read_NAME()`; also `opaque_color`, `opaque_depth`.
+    writes : mapping of str to Blend
+        Targets that the shader writes by name; `color` is the frame's image and begins as the
+        opaque picture.
+    buffers : tuple of str
+        Buffers that the shader may touch.
+    order : Order
+    when : Effect
+        Runs only if one of these effects runs; NONE for always.
+    """
+
+    shader: str
+    draws: Draws
+    reads: tuple[str, ...] = ()
+    writes: Mapping[str, Blend] = field(default_factory=dict)
+    buffers: tuple[str, ...] = ()
+    order: Order = Order.SUBMISSION
+    when: Effect = Effect.NONE
+
+    @property
+    def name(self) -> str:
+        """The shader's name without its ending."""
+        return self.shader.removesuffix(".glsl")
+
+
+@dataclass(frozen=True)
+class Interleaved:
+    """Several fragment passes that are all issued for one unit before the next unit.
+
+    The unit is the object under `Order.SUBMISSION` and `Order.OBJECTS`, else the triangle.
+    """
+
+    passes: tuple[Pass, ...]
+    order: Order
+
+
+Step = Pass | Interleaved
+
+
+class Method:
+    """Base of all methods: a description, not a program.
+
+    A subclass in `methods/NAME/method.py` states the members below, as class attributes or, where
+    they depend on a parameter, as properties. Parameters become attributes of the instance and
+    GLSL macros: `weight` is `WEIGHT`; a parameter with text choices gives `NODE` and one macro
+    `NODE_CHOICE` a choice to compare it with.
+    """
+
+    name: ClassVar[str] = ""
+    """Set by the loader: the folder's name."""
+    parameters: ClassVar[Mapping[str, Parameter]] = {}
+    holds: ClassVar[frozenset[str]] = frozenset()
+    """Identities that the method promises; see CONVENTIONS.md."""
+    truth: ClassVar[Mapping[str, Value] | None] = None
+    """Parameters under which the method is the suite's exact truth; None for all but one."""
+
+    def __init__(self, **values: Value) -> None:
+        for key in values:
+            if key not in self.parameters:
+                raise unknown(f"parameter of {self.name}", key, self.parameters)
+        self.values: dict[str, Value] = {
+            key: parameter.check(self.name, key, values.get(key, parameter.default))
+            for key, parameter in self.parameters.items()
+        }
+
+    @property
+    def label(self) -> str:
+        """The name with those parameters that differ from their defaults."""
+        return variant(self.name, self.values, self.parameters)
+
+    @property
+    def expresses(self) -> Effect:
+        """Effects that the method can show; others that a scene calls for are listed as missing."""
+        return Effect.NONE
+
+    @property
+    def requires(self) -> tuple[str, ...]:
+        """Capabilities of `oitbench.gl.device.CAPABILITIES` without which cells are skipped."""
+        return ()
+
+    @property
+    def targets(self) -> Mapping[str, Target]:
+        """Textures by name. `color` is rgba16f unless stated here."""
+        return {}
+
+    @property
+    def buffers(self) -> Mapping[str, Buffer]:
+        """Buffers by name."""
+        return {}
+
+    @property
+    def passes(self) -> tuple[Step, ...]:
+        """What is issued each frame, in order."""
+        return ()
+
+    def text(self, parameter: str) -> str:
+        """Return the value of a text parameter."""
+        value = self.values[parameter]
+        if not isinstance(value, str):
+            raise UsageError(f"{self.name}: parameter {parameter} is no text")
+        return value

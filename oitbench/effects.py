@@ -1,0 +1,39 @@
+"""The effects that a scene can call for and a method can express."""
+
+from __future__ import annotations
+
+import enum
+
+
+class Effect(enum.Flag):
+    """A phenomenon of transparency; `Scene.effects` derives which ones a scene calls for.
+
+    What is simulated is called ∩ expressed: nothing else leaves a target, a pass or a define.
+    """
+
+    NONE = 0
+    COVERAGE = enum.auto()
+    """Some surface lets grey light through: net opacity below one."""
+    COLORED_TRANSMISSION = enum.auto()
+    """Some transmission differs between wavelengths."""
+    REFRACTION = enum.auto()
+    """Some refractive index differs from one."""
+    DIFFUSION = enum.auto()
+    """Some collimation is below one: light that passes is spread."""
+    SHADOWS = enum.auto()
+    """A light and an opaque caster."""
+    TRANSLUCENT_SHADOWS = enum.auto()
+    """A light and a transparent caster."""
+    COLORED_SHADOWS = enum.auto()
+    """A light and a caster of wavelength-varying transmission."""
+    CAUSTICS = enum.auto()
+    """A light and a refracting caster."""
+    VOLUME = enum.auto()
+    """A participating medium."""
+    INFERRED_AO = enum.auto()
+    """Ambient occlusion over foliage of binary coverage."""
+
+
+def names(effects: Effect) -> list[str]:
+    """Return the names of the single effects in `effects`, in order of definition."""
+    return [e.name for e in Effect if e in effects and e.name and e is not Effect.NONE]

@@ -1,0 +1,1 @@
+"""The OpenGL renderer: everything that talks to moderngl lives here."""

@@ -1,0 +1,188 @@
+"""The GLSL that a declaration implies: macros, outputs, reads and buffer accessors.
+
+A shader can use only what its pass declares, because nothing else is generated.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from oitbench.declare import Blend, Buffer, Draws, Items, Method, Pass, Target
+from oitbench.effects import Effect, names
+from oitbench.errors import DeclarationError, unknown
+
+TILE = 64
+"""Side in pixels of the tiles in which buffers of fragments are allocated and accesses counted."""
+ALLOCATOR_STRIDE = 16
+"""Words from one tile's allocator to the next: a cache line, so that tiles do not contend."""
+
+
+@dataclass(frozen=True)
+class Bindings:
+    """Where buffers are bound, and which counter each kind of access has.
+
+    Parameters
+    ----------
+    fields : mapping of (buffer, field) to int
+        Storage block binding.
+    allocators : mapping of buffer to int
+    counters : int or None
+        Binding of the access counters; None in a build that does not count.
+    slots : mapping of (buffer, field, kind) to int
+        Counter of each access; kind is "read", "write" or "atomic".
+    """
+
+    fields: Mapping[tuple[str, str], int]
+    allocators: Mapping[str, int]
+    counters: int | None
+    slots: Mapping[tuple[str, str, str], int]
+
+
+def bind(buffers: Mapping[str, Buffer], counted: bool) -> Bindings:
+    """Number the storage blocks of a method's allocated `buffers`."""
+    pairs = [(name, field) for name, buffer in buffers.items() for field in buffer.fields]
+    listed = [name for name, buffer in buffers.items() if buffer.items is Items.FRAGMENTS]
+    slots = [(*pair, kind) for pair in pairs for kind in ("read", "write", "atomic")]
+    slots += [(name, "allocator", "atomic") for name in listed]
+    count = len(pairs) + len(listed)
+    return Bindings(
+        {pair: index for index, pair in enumerate(pairs)},
+        {name: len(pairs) + index for index, name in enumerate(listed)},
+        count if counted and slots else None,
+        {slot: index for index, slot in enumerate(slots)},
+    )
+
+
+def macros(method: Method, effects: Effect) -> str:
+    """Return the method's parameters and the running effects as `#define`s."""
+    lines = [f"#define EFFECT_{name} 1" for name in names(effects)]
+    for name, parameter in method.parameters.items():
+        value, macro = method.values[name], name.upper()
+        if isinstance(value, str):
+            for index, choice in enumerate(parameter.choices):
+                suffix = "".join(c if c.isalnum() else "_" for c in str(choice)).upper()
+                lines.append(f"#define {macro}_{suffix} {index}")
+            lines.append(f"#define {macro} {parameter.choices.index(value)}")
+        else:
+            number = int(value) if isinstance(value, bool) else value
+            lines.append(f"#define {macro} {number!r}")
+    return "\n".join(lines)
+
+
+def outputs(step: Pass, targets: Mapping[str, Target]) -> str:
+    """Return the fragment shader's outputs, one a written target."""
+    lines = []
+    for slot, (name, blend) in enumerate(step.writes.items()):
+        kind = _target(step, name, targets).texel.glsl
+        lines += _output(step, slot, name, kind, blend)
+    return "\n".join(lines)
+
+
+def _output(step: Pass, slot: int, name: str, kind: str, blend: Blend) -> list[str]:
+    if not blend.dual:
+        return [f"layout(location = {slot}) out {kind} {name};"]
+    if len(step.writes) > 1:
+        raise DeclarationError(
+            f"{step.shader}: {name} blends two sources, so it must be the pass's only target"
+        )
+    return [
+        f"layout(location = 0, index = 0) out {kind} {name};",
+        f"layout(location = 0, index = 1) out {kind} {name}_factor;",
+    ]
+
+
+def reads(step: Pass, targets: Mapping[str, Target]) -> str:
+    """Return `read_NAME()` for each target that the pass reads."""
+    lines = []
+    for name in step.reads:
+        entry = _target(step, name, targets).texel
+        if name in step.writes:
+            raise DeclarationError(f"{step.shader}: reads and writes '{name}' in one pass")
+        swizzle = {1: ".r", 2: ".rg"}.get(entry.components, "")
+        sampler = "usampler2D" if entry.integer else "sampler2D"
+        lines += [
+            f"uniform {sampler} {name}_texture;",
+            f"{entry.glsl} read_{name}(ivec2 pixel) {{"
+            f" return texelFetch({name}_texture, pixel, 0){swizzle}; }}",
+            f"{entry.glsl} read_{name}() {{ return read_{name}(ivec2(gl_FragCoord.xy)); }}",
+        ]
+    return "\n".join(lines)
+
+
+def _target(step: Pass, name: str, targets: Mapping[str, Target]) -> Target:
+    if name not in targets:
+        raise DeclarationError(f"{step.shader}: {unknown('target', name, targets)}")
+    return targets[name]
+
+
+def accessors(step: Pass, buffers: Mapping[str, Buffer], bindings: Bindings) -> str:
+    """Return the functions through which the pass touches its buffers."""
+    lines: list[str] = []
+    if step.buffers:
+        lines += [
+            f"#define TILE {TILE}u",
+            "uint tile_index() {"
+            " uvec2 tile = uvec2(gl_FragCoord.xy) / TILE; return tile.y * frame_tiles.x + tile.x; }",
+            "uint pixel_index() { uvec2 pixel = uvec2(gl_FragCoord.xy);"
+            " return pixel.y * frame_size.x + pixel.x; }",
+        ]
+        if step.draws is Draws.FRAGMENTS:
+            # Otherwise a hidden fragment's side effects would happen before its depth test.
+            lines.append("layout(early_fragment_tests) in;")
+    if step.buffers and bindings.counters is not None:
+        lines.append(
+            f"layout(std430, binding = {bindings.counters}) buffer CounterBlock {{ uint counters[]; }};"
+        )
+    for name in step.buffers:
+        if name not in buffers:
+            raise DeclarationError(f"{step.shader}: {unknown('buffer', name, buffers)}")
+        buffer = buffers[name]
+        for field, kind in buffer.fields.items():
+            lines += _field(name, field, kind, bindings)
+        if buffer.items is Items.FRAGMENTS:
+            lines += _allocator(name, bindings)
+    return "\n".join(lines)
+
+
+def _count(bindings: Bindings, name: str, field: str, kind: str) -> str:
+    if bindings.counters is None:
+        return ""
+    slot = bindings.slots[name, field, kind]
+    return f"atomicAdd(counters[tile_index() * {len(bindings.slots)}u + {slot}u], 1u); "
+
+
+def _field(name: str, field: str, kind: str, bindings: Bindings) -> list[str]:
+    full, data = f"{name}_{field}", f"{name}_{field}_data"
+    read, write, atomic = (
+        _count(bindings, name, field, access) for access in ("read", "write", "atomic")
+    )
+    lines = [
+        f"layout(std430, binding = {bindings.fields[name, field]})"
+        f" buffer {full}_block {{ {kind} {data}[]; }};",
+        f"{kind} {full}(uint i) {{ {read}return {data}[i]; }}",
+        f"void set_{full}(uint i, {kind} value) {{ {write}{data}[i] = value; }}",
+    ]
+    if kind == "uint":
+        for verb, call in (
+            ("exchange", "atomicExchange"),
+            ("add", "atomicAdd"),
+            ("min", "atomicMin"),
+            ("max", "atomicMax"),
+        ):
+            lines.append(
+                f"uint {verb}_{full}(uint i, uint value) {{ {atomic}return {call}({data}[i], value); }}"
+            )
+    return lines
+
+
+def _allocator(name: str, bindings: Bindings) -> list[str]:
+    # A tile's words: the next free record, and the first one that is not the tile's.
+    count = _count(bindings, name, "allocator", "atomic")
+    return [
+        f"layout(std430, binding = {bindings.allocators[name]})"
+        f" buffer {name}_allocator_block {{ uint {name}_allocator[]; }};",
+        f"uint allocate_{name}() {{ {count}uint tile = tile_index() * {ALLOCATOR_STRIDE}u;"
+        f" uint i = atomicAdd({name}_allocator[tile], 1u);"
+        f" return i < {name}_allocator[tile + 1u] ? i : NONE; }}",
+    ]

@@ -1,0 +1,23 @@
+// One shaded fragment: what the scene hands to a method's gather().
+struct Fragment {
+    vec3 radiance;       // L, reflected and emitted, not premultiplied
+    float coverage;      // alpha
+    vec3 transmission;   // t
+    float z;             // linear view distance, m
+    float depth;         // window depth in [0, 1]
+};
+
+// RGB transmittance of the layer: tau = 1 - alpha + alpha t.
+vec3 transmittance(Fragment fragment) {
+    return 1.0 - fragment.coverage * (1.0 - fragment.transmission);
+}
+
+// Net opacity: alpha (1 - mean t).
+float net_opacity(Fragment fragment) {
+    return fragment.coverage * (1.0 - dot(fragment.transmission, vec3(1.0 / 3.0)));
+}
+
+// Premultiplied radiance and net opacity, what scalar methods blend.
+vec4 premultiplied(Fragment fragment) {
+    return vec4(fragment.coverage * fragment.radiance, net_opacity(fragment));
+}

@@ -1,0 +1,22 @@
+// Reads one fragment of a given list and hands it to the method.
+in vec3 v_radiance;
+in float v_z;
+flat in float v_layer;
+
+uniform sampler2DArray list_radiance;       // L, alpha
+uniform sampler2DArray list_transmission;   // t, z
+
+void main() {
+    uvec2 size = uvec2(textureSize(list_radiance, 0).xy);
+    ivec3 texel = ivec3(uvec2(gl_FragCoord.xy) * size / frame_size, int(v_layer));
+    vec4 radiance = texelFetch(list_radiance, texel, 0);
+    vec4 transmission = texelFetch(list_transmission, texel, 0);
+    Fragment fragment;
+    fragment.radiance = radiance.rgb * radiance_gain;
+    fragment.coverage = radiance.a;
+    fragment.transmission = transmission.rgb;
+    fragment.z = transmission.a;
+    // Written so that an infinite far plane gives 1 - near/z.
+    fragment.depth = (1.0 - near_plane / fragment.z) / (1.0 - near_plane / far_plane);
+    gather(fragment);
+}

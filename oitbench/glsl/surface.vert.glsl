@@ -1,0 +1,31 @@
+// One vertex shader for every pass that rasterizes geometry, so that depths agree bit for bit.
+in vec3 in_position;
+in vec2 in_uv;
+in vec3 in_radiance;
+in vec3 in_transmission;
+in float in_coverage;
+in float in_layer;
+
+out vec2 v_uv;
+out vec3 v_radiance;
+out float v_z;
+flat out vec3 v_transmission;
+flat out float v_coverage;
+flat out float v_layer;
+invariant gl_Position;
+
+void main() {
+#ifdef LISTS
+    // A list's layer covers the frame; its depths come from a texture.
+    gl_Position = vec4(in_position, 1.0);
+    v_z = 0.0;
+#else
+    gl_Position = world_to_clip * vec4(in_position, 1.0);
+    v_z = -(world_to_camera * vec4(in_position, 1.0)).z;
+#endif
+    v_uv = in_uv;
+    v_radiance = in_radiance;
+    v_transmission = in_transmission;
+    v_coverage = in_coverage;
+    v_layer = in_layer;
+}

@@ -1,0 +1,13 @@
+// What every shader knows of the frame. Filled by oitbench/gl/geometry.py.
+layout(std140, binding = 0) uniform View {
+    mat4 world_to_clip;
+    mat4 world_to_camera;
+    float near_plane;      // m
+    float far_plane;       // m, may be infinite
+    float pixel_focal;     // focal length in pixels
+    float radiance_gain;   // 1, or 0 to see transmittance alone
+    uvec2 frame_size;      // pixels
+    uvec2 frame_tiles;     // tiles of TILE x TILE pixels
+};
+
+const uint NONE = 0xFFFFFFFFu;
