@@ -48,11 +48,16 @@ class Plugins(Mapping[str, Plugin]):
         self._paths[name] = path
         self._loaded.pop(name, None)
 
-    def __getitem__(self, name: str) -> Plugin:
+    def path(self, name: str) -> Path:
+        """Return the file of the plugin `name`."""
         if name not in self._paths:
             raise unknown(self.kind, name, self._paths)
+        return self._paths[name]
+
+    def __getitem__(self, name: str) -> Plugin:
+        path = self.path(name)
         if name not in self._loaded:
-            self._loaded[name] = self._load(self._paths[name])
+            self._loaded[name] = self._load(path)
         return self._loaded[name]
 
     def __contains__(self, name: object) -> bool:

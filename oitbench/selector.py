@@ -25,6 +25,8 @@ class Parameter:
         The only values allowed.
     low, high : float, optional
         Inclusive bounds of a number.
+    grid : tuple, optional
+        The values that the larger presets run; the default alone without.
     help : str
         Meaning and unit, in one line.
     """
@@ -33,6 +35,7 @@ class Parameter:
     choices: tuple[Value, ...] = ()
     low: float | None = None
     high: float | None = None
+    grid: tuple[Value, ...] = ()
     help: str = ""
 
     def parse(self, owner: str, name: str, text: str) -> Value:
@@ -119,12 +122,13 @@ def expand(selector: Selector, parameters: Mapping[str, Parameter]) -> Iterator[
 def variant(name: str, values: Mapping[str, Value], parameters: Mapping[str, Parameter]) -> str:
     """Return the canonical label: the name, and only those parameters that differ from default."""
     told = [
-        f"{key}={_text(value)}" for key, value in values.items() if value != parameters[key].default
+        f"{key}={text(value)}" for key, value in values.items() if value != parameters[key].default
     ]
     return f"{name}[{','.join(told)}]" if told else name
 
 
-def _text(value: Value) -> str:
+def text(value: Value) -> str:
+    """Return `value` as it is written in `NAME[param=value]`."""
     if isinstance(value, bool):
         return "true" if value else "false"
     return f"{value:g}" if isinstance(value, float) else str(value)

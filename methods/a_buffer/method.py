@@ -50,7 +50,9 @@ _NODES = {
 
 class ABuffer(Method):
     parameters = {
-        "node": Parameter("precise", choices=("precise", "compact"), help="record of a fragment"),
+        "node": Parameter(
+            "precise", choices=("precise", "compact"), grid=("precise", "compact"), help="record"
+        ),
         "resolve": Parameter("sorted", choices=("sorted", "iterative"), help="compositing"),
     }
     truth = {"node": "precise", "resolve": "sorted"}

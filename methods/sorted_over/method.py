@@ -22,7 +22,12 @@ class SortedOver(Method):
     expresses = Effect.COVERAGE | Effect.COLORED_TRANSMISSION
     requires = ("dual_source",)
     parameters = {
-        "sort": Parameter("triangle", choices=("object", "triangle"), help="unit that is sorted")
+        "sort": Parameter(
+            "triangle",
+            choices=("object", "triangle"),
+            grid=("object", "triangle"),
+            help="unit that is sorted",
+        )
     }
     holds = frozenset({"U1", "U2", "U2c", "U3", "U6", "U7", "U8", "U10"})
 

@@ -31,7 +31,12 @@ from oitbench import (
 class SortedTwoPass(Method):
     expresses = Effect.COVERAGE | Effect.COLORED_TRANSMISSION
     parameters = {
-        "sort": Parameter("object", choices=("object", "triangle", "none"), help="unit of sorting")
+        "sort": Parameter(
+            "object",
+            choices=("object", "triangle", "none"),
+            grid=("object", "none"),
+            help="unit of sorting",
+        )
     }
     holds = frozenset({"U1", "U2", "U2c", "U3", "U6", "U7", "U8", "U10"})
 

@@ -26,7 +26,9 @@ from oitbench import ADD, ATTENUATE, OVER, Draws, Effect, Method, Parameter, Pas
 
 class WeightedBlended(Method):
     expresses = Effect.COVERAGE
-    parameters = {"weight": Parameter(10, choices=(7, 8, 9, 10), help="equation of the weight")}
+    parameters = {
+        "weight": Parameter(10, choices=(7, 8, 9, 10), grid=(7, 8, 9, 10), help="equation")
+    }
     holds = frozenset({"U1", "U2", "U3", "U4", "U6", "U7", "U8", "U10"})
     targets = {"accum": Target("rgba16f", clear=(0.0,)), "reveal": Target("r8", clear=(1.0,))}
     passes = (

@@ -117,7 +117,9 @@ class Frame:
                 for name in ("color", "opaque_color", "opaque_depth")
             },
         }
-        self._view = device.context.buffer(reserve=len(view_block(geometry.scene.camera, size, False)))
+        self._view = device.context.buffer(
+            reserve=len(view_block(geometry.scene.camera, size, False))
+        )
         self._sequences: dict[Order, _Sequence] = {}
         self._transmittance: bool | None = None
         self.complexity = self._count_fragments()
@@ -164,7 +166,7 @@ class Frame:
         indices = batch.arrange(Order.SUBMISSION)[0]
         if len(indices):
             buffer = self.device.context.buffer(indices.tobytes())
-            compiled.begin(self._view, None)
+            compiled.begin(self._view, (0, 0, *self.size))
             compiled.draw(buffer, 0, len(indices))
             compiled.forget(buffer)
             buffer.release()
@@ -182,7 +184,7 @@ class Frame:
         )
         framebuffer.use()
         framebuffer.depth_mask = True
-        framebuffer.scissor = None
+        framebuffer.scissor = (0, 0, *self.size)
         framebuffer.clear(*background, 1.0, depth=1.0)
         framebuffer.release()
         self._engine_pass(_OPAQUE, {"color": self.textures["opaque_color"]}, depth=True)
@@ -247,7 +249,9 @@ class Frame:
             if needed is None:
                 return
             self.resources.reserve(np.maximum(self.resources.demand, needed))
-        raise CapabilityError(f"{self.method.label}: buffers still overflow after {_ATTEMPTS} frames")
+        raise CapabilityError(
+            f"{self.method.label}: buffers still overflow after {_ATTEMPTS} frames"
+        )
 
     def issue(self, records: list[PassRecord] | None = None, check: bool = True) -> Counts | None:
         """Issue the frame's draws; return what each tile needs if fragments did not fit.
@@ -263,7 +267,7 @@ class Frame:
         context.copy_framebuffer(self._framebuffer_color, self._framebuffer_opaque)
         missing: Counts | None = None
         for region in self.resources.regions:
-            scissor = region.scissor(self.size) if len(self.resources.regions) > 1 else None
+            scissor = region.scissor(self.size)
             for name, framebuffer in self._clears.items():
                 framebuffer.use()
                 framebuffer.scissor = scissor
@@ -282,7 +286,7 @@ class Frame:
         self,
         step: Step,
         compiled: list[CompiledPass],
-        scissor: tuple[int, int, int, int] | None,
+        scissor: tuple[int, int, int, int],
         records: list[PassRecord] | None,
         index: int,
     ) -> None:
@@ -323,7 +327,12 @@ class Frame:
             yield
         self.device.finish()
         record.milliseconds = (record.milliseconds or 0.0) + 1e3 * (time.perf_counter() - start)
-        record.fragments += int(query.samples)
+        # Early tests count what the scene's shader then discards: with buffers the count is known.
+        early = item.step.draws is Draws.FRAGMENTS and bool(item.step.buffers)
+        if early:
+            record.fragments = int(self.complexity.sum())
+        else:
+            record.fragments += int(query.samples)
         for key, count in self.resources.take_counts().items():
             record.accesses[key] = record.accesses.get(key, 0) + count
 

@@ -17,7 +17,6 @@ from oitbench.gl.prelude import Bindings
 from oitbench.gl.source import Source
 
 
-
 class CompiledPass:
     """A pass that can be drawn. All of its state is set by `begin`; none is trusted to be left over."""
 
@@ -36,9 +35,7 @@ class CompiledPass:
         self.depth_writes = depth_writes
         self._arrays: dict[int, moderngl.VertexArray] = {}
 
-    def begin(
-        self, view: moderngl.Buffer, scissor: tuple[int, int, int, int] | None
-    ) -> None:
+    def begin(self, view: moderngl.Buffer, scissor: tuple[int, int, int, int]) -> None:
         """Set framebuffer, depth, blend, samplers and uniform blocks."""
         device, context = self.device, self.device.context
         self.framebuffer.use()
@@ -146,9 +143,7 @@ def compile_pass(
         if colors or depth is not None
         else device.context.simple_framebuffer(textures["color"].size)
     )
-    return CompiledPass(
-        device, step, program, framebuffer, used, geometry.vertices, depth_writes
-    )
+    return CompiledPass(device, step, program, framebuffer, used, geometry.vertices, depth_writes)
 
 
 def _program(device: Device, vertex: Source, fragment: Source) -> moderngl.Program:

@@ -126,6 +126,10 @@ class Resources:
         """Names of the buffers that hold one record a fragment."""
         return [name for name, item in self.buffers.items() if item.items is Items.FRAGMENTS]
 
+    def records(self, name: str) -> int:
+        """Return how many records the buffer `name` has room for."""
+        return self._records.get(name, 0)
+
     def _allocate(self, name: str, records: int) -> None:
         context = self.device.context
         self._records[name] = records
@@ -150,9 +154,7 @@ class Resources:
         )
         self.demand = demand
         self.regions = split(demand, self.block_limit // widest)
-        records = max(
-            int(demand[r.bottom : r.top, r.left : r.right].sum()) for r in self.regions
-        )
+        records = max(int(demand[r.bottom : r.top, r.left : r.right].sum()) for r in self.regions)
         for name in self.listed:
             if self._records.get(name) != records:
                 self._allocate(name, records)
@@ -222,8 +224,8 @@ class Resources:
 
     def release(self) -> None:
         """Free the device's memory."""
-        owned = [*self.textures.values(), *self._blocks.values(), *self._allocators.values()]
-        for item in owned:
-            item.release()
-        if self._counters is not None:
-            self._counters.release()
+        for texture in self.textures.values():
+            texture.release()
+        blocks = [*self._blocks.values(), *self._allocators.values()]
+        for block in [*blocks, self._counters] if self._counters else blocks:
+            block.release()

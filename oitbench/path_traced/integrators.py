@@ -24,6 +24,8 @@ Integrator = Callable[[Any, Any, int], Any]
 
 _STEP = 6e-7
 """Advance beyond a hit, relative to the magnitudes added up there: five float32 roundings."""
+_EDGE = 1e-5
+"""Barycentric coordinates below this may be rounding errors of zero."""
 
 
 def make_straight(mitsuba: ModuleType) -> Integrator:
@@ -31,43 +33,78 @@ def make_straight(mitsuba: ModuleType) -> Integrator:
     drjit: Any = importlib.import_module("drjit")
     scalar = mitsuba.variant().startswith("scalar")
 
-    def integrate(scene: Any, ray: Any, seed: int) -> Any:
-        def meet(active: Any, light: Any, through: Any, distance: Any, last: Any) -> Any:
-            start = ray.o + ray.d * distance
-            si = scene.ray_intersect(mitsuba.Ray3f(start, ray.d), active)
-            # A line crosses a triangle once; a second hit is the first one's rounding error.
-            fresh = active & ~((si.shape == last[0]) & (si.prim_index == last[1]))
-            if scalar:
-                fresh = bool(fresh)
-            emitter = si.emitter(scene)
-            if emitter is not None:
-                light = light + drjit.select(fresh, through * emitter.eval(si, fresh), 0)
-            active = active & si.is_valid()
-            if scalar and not active:
-                return active, light, through, distance, last
-            film = si.bsdf()
-            fresh = fresh & active
-            through = drjit.select(fresh, through * film.eval_null_transmission(si, fresh), through)
-            magnitude = distance + si.t + drjit.max(drjit.abs(si.p))
-            distance = drjit.select(active, distance + si.t + _STEP * magnitude, distance)
-            active = active & drjit.any(through > 0)
-            return active, light, through, distance, (si.shape, si.prim_index)
+    def cross(si: Any, fresh: Any, light: Any, through: Any) -> tuple[Any, Any]:
+        """Return light and transmittance behind the film at `si`, where it is a fresh one."""
+        if scalar and not fresh:
+            return light, through
+        emitter = si.shape.emitter()
+        if emitter is not None:
+            light = light + drjit.select(fresh, through * emitter.eval(si, fresh), 0)
+        transmittance = si.bsdf().eval_null_transmission(si, fresh)
+        return light, drjit.select(fresh, through * transmittance, through)
 
-        none = None if scalar else drjit.zeros(mitsuba.ShapePtr)
-        state = (
-            mitsuba.Bool(True),
-            mitsuba.Color3f(0),
-            mitsuba.Color3f(1),
-            mitsuba.Float(0),
-            (none, mitsuba.UInt32(0)),
-        )
+    def integrate(scene: Any, ray: Any, seed: int) -> Any:
+        def meet(active: Any, light: Any, through: Any, distance: Any, known: Any) -> Any:
+            """Cross the next film and, if another one is closer to it than a step, that one."""
+            start = mitsuba.Ray3f(ray.o + ray.d * distance, ray.d)
+            ahead = scene.ray_intersect_preliminary(start, False, active)
+            active = active & ahead.is_valid()
+            if scalar and not active:
+                return active, light, through, distance, known
+            si = ahead.compute_surface_interaction(start, active=active)
+            # A line crosses a triangle once; a second hit is the first one's rounding error.
+            fresh = active & _none_of(ahead, known)
+            light, through = cross(si, fresh, light, through)
+            step = _STEP * (distance + si.t + drjit.max(drjit.abs(si.p)))
+            distance = drjit.select(active, distance + si.t + step, distance)
+            back = mitsuba.Ray3f(ray.o + ray.d * distance, -ray.d)
+            back.maxt = 2 * step
+            twin = scene.ray_intersect_preliminary(back, False, active)
+            # Two triangles of one surface are both hit on the edge that they share.
+            inside = (_on_edge(drjit, ahead) & _on_edge(drjit, twin)) ^ True
+            fresh = active & twin.is_valid() & inside & _none_of(twin, (*known, *_identity(ahead)))
+            behind = twin.compute_surface_interaction(back, active=fresh)
+            light, through = cross(behind, fresh, light, through)
+            active = active & drjit.any(through > 0)
+            return active, light, through, distance, (*_identity(ahead), *_identity(twin))
+
+        nothing = (None if scalar else drjit.zeros(mitsuba.ShapePtr), mitsuba.UInt32(0))
+        color = mitsuba.Color3f
+        state = (mitsuba.Bool(True), color(0), color(1), mitsuba.Float(0), nothing + nothing)
         if scalar:
             while state[0]:
                 state = meet(*state)
-            return state[1]
-        return drjit.while_loop(state, lambda *variables: variables[0], meet)[1]
+        else:
+            state = drjit.while_loop(state, lambda *variables: variables[0], meet)
+        _, light, through, _, _ = state
+        return light + through * _background(mitsuba, drjit, scene, ray)
 
     return integrate
+
+
+def _identity(hit: Any) -> tuple[Any, Any]:
+    return hit.shape, hit.prim_index
+
+
+def _none_of(hit: Any, known: tuple[Any, ...]) -> Any:
+    """Tell whether the triangle hit is not in `known`, which is (shape, index, shape, …)."""
+    # Not `~`, which would make a Python bool of the scalar variant an int.
+    other = ((hit.shape == known[0]) & (hit.prim_index == known[1])) ^ True
+    return other & _none_of(hit, known[2:]) if len(known) > 2 else other
+
+
+def _on_edge(drjit: Any, hit: Any) -> Any:
+    u, v = hit.prim_uv.x, hit.prim_uv.y
+    return drjit.minimum(drjit.minimum(u, v), 1 - u - v) < _EDGE
+
+
+def _background(mitsuba: ModuleType, drjit: Any, scene: Any, ray: Any) -> Any:
+    environment = scene.environment()
+    if environment is None:
+        return mitsuba.Color3f(0)
+    si = drjit.zeros(mitsuba.SurfaceInteraction3f)
+    si.wi = -ray.d
+    return environment.eval(si, True)
 
 
 def make_volpath(mitsuba: ModuleType) -> Integrator:

@@ -1,0 +1,111 @@
+"""Memory and traffic of one frame, from its declaration and from counts that were measured.
+
+Traffic is algorithmic: what the shaders and the blending ask for, without caches or compression.
+Its terms (pass × resource × kind) are kept, so that every total can be checked by eye.
+"""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from typing import Any
+
+from oitbench.declare import Draws, Interleaved, Items, Pass
+from oitbench.formats import GLSL_BYTES
+from oitbench.gl.frame import Frame, PassRecord
+
+
+@dataclass(frozen=True)
+class Term:
+    """Bytes that one pass moves to or from one resource in one way.
+
+    Parameters
+    ----------
+    pass : str
+        Named `pass_` here and "pass" in records.
+    resource : str
+        Target, or buffer and field.
+    kind : str
+        "clear", "read", "write", "blend" (what blending reads) or "atomic" (a read and a write).
+    items : int
+        Pixels, fragments or accesses; measured.
+    bytes_per_item : int
+    """
+
+    pass_: str
+    resource: str
+    kind: str
+    items: int
+    bytes_per_item: int
+
+    @property
+    def bytes(self) -> int:
+        """Items times bytes of each."""
+        return self.items * self.bytes_per_item
+
+    def facts(self) -> dict[str, Any]:
+        """Return the term as it stands in a record."""
+        facts = asdict(self)
+        facts["pass"] = facts.pop("pass_")
+        return {**facts, "bytes": self.bytes}
+
+
+def memory(frame: Frame) -> dict[str, Any]:
+    """Return bytes, bits a pixel and terms of all that the method allocates for `frame`.
+
+    The frame's own color and depth, which every method shares, are not counted.
+    """
+    terms = frame.resources.memory()
+    total = sum(size for _, size in terms)
+    return {
+        "bytes": total,
+        "bits_per_pixel": 8 * total / (frame.size[0] * frame.size[1]),
+        "terms": [{"resource": name, "bytes": size} for name, size in terms],
+    }
+
+
+def traffic(frame: Frame, records: list[PassRecord]) -> list[Term]:
+    """Return the terms of a frame's traffic.
+
+    Parameters
+    ----------
+    frame : Frame
+        Built with `counted=True`, if the method has buffers.
+    records : list of PassRecord
+        What the frame's passes did, from `Frame.issue`.
+    """
+    pixels = frame.size[0] * frame.size[1]
+    terms = [
+        Term("clear", name, "clear", pixels, target.texel.bytes)
+        for name, target in frame.resources.targets.items()
+    ]
+    for name, buffer in frame.resources.buffers.items():
+        if buffer.clear is not None:
+            items = pixels if buffer.items is Items.PIXELS else frame.resources.records(name)
+            terms.append(Term("clear", name, "clear", items, buffer.record_bytes))
+    compiled = [
+        item
+        for step, _ in frame.steps
+        for item in (step.passes if isinstance(step, Interleaved) else (step,))
+    ]
+    for step, record in zip(compiled, records, strict=True):
+        terms += _pass_terms(frame, step, record, pixels)
+    return [term for term in terms if term.items]
+
+
+def _pass_terms(frame: Frame, step: Pass, record: PassRecord, pixels: int) -> list[Term]:
+    items = pixels if step.draws is Draws.PIXELS else record.fragments
+    terms = []
+    for name in step.reads:
+        terms.append(Term(step.name, name, "read", items, frame.declared[name].texel.bytes))
+    for name, blend in step.writes.items():
+        size = frame.declared[name].texel.bytes
+        if blend.reads:
+            terms.append(Term(step.name, name, "blend", items, size))
+        terms.append(Term(step.name, name, "write", items, size))
+    for (name, field, kind), count in record.accesses.items():
+        buffer = frame.resources.buffers[name]
+        size = GLSL_BYTES[buffer.fields.get(field, "uint")]
+        terms.append(
+            Term(step.name, f"{name}.{field}", kind, count, 2 * size if kind == "atomic" else size)
+        )
+    return terms

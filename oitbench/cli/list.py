@@ -1,0 +1,71 @@
+"""`oitbench list`: what can be named."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import click
+
+from oitbench import selector
+from oitbench.cli import options
+from oitbench.collection import Collection
+from oitbench.effects import Effect
+from oitbench.errors import DeclarationError
+from oitbench.selector import Parameter
+
+KINDS = ("methods", "scenes", "effects", "reports")
+
+
+@click.command()
+@click.argument("kind", type=click.Choice(KINDS), required=False)
+@click.option("--json", "as_json", is_flag=True, help="For programs.")
+@options.collections
+def command(kind: str | None, as_json: bool, collections: tuple[Path, ...]) -> None:
+    """List methods, scenes, effects or reports, with their parameters; all of them without KIND."""
+    collection = Collection.load(collections)
+    found = {name: _entries(collection, name) for name in ([kind] if kind else KINDS)}
+    if as_json:
+        click.echo(json.dumps(found[kind] if kind else found, indent=2))
+        return
+    for name, entries in found.items():
+        if len(found) > 1:
+            click.secho(name, bold=True)
+        width = max((len(entry["name"]) for entry in entries), default=0)
+        for entry in entries:
+            click.echo(f"  {entry['name']:{width}}  {entry['title']}")
+            for key, parameter in entry.get("parameters", {}).items():
+                click.echo(f"  {'':{width}}    {key}={parameter['told']}")
+
+
+def _entries(collection: Collection, kind: str) -> list[dict[str, Any]]:
+    if kind == "effects":
+        return [{"name": str(e.name).lower(), "title": ""} for e in Effect if e.name]
+    plugins = getattr(collection, kind)
+    return [_entry(plugins, name) for name in plugins]
+
+
+def _entry(plugins: Any, name: str) -> dict[str, Any]:
+    try:
+        plugin = plugins[name]
+    except DeclarationError as error:
+        return {"name": name, "title": f"cannot be loaded: {error}"}
+    doc = plugin.doc if hasattr(plugin, "doc") else plugin.__doc__
+    title = (doc or "").strip().partition("\n")[0]
+    parameters = getattr(plugin, "parameters", {})
+    return {
+        "name": name,
+        "title": title,
+        "parameters": {key: _parameter(value) for key, value in parameters.items()},
+    }
+
+
+def _parameter(parameter: Parameter) -> dict[str, Any]:
+    allowed = "|".join(selector.text(choice) for choice in parameter.choices)
+    told = selector.text(parameter.default)
+    if allowed:
+        told += f"  ({allowed})"
+    if parameter.help:
+        told += f"  {parameter.help}"
+    return {"default": parameter.default, "choices": list(parameter.choices), "told": told}

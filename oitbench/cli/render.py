@@ -1,0 +1,46 @@
+"""`oitbench render`: one picture."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from oitbench.cli import options
+from oitbench.errors import UsageError
+
+
+@click.command()
+@click.argument("scene")
+@click.argument("method")
+@click.option(
+    "-o",
+    "--out",
+    required=True,
+    type=click.Path(dir_okay=False, path_type=Path),
+    help="Picture to write: .exr for linear radiance, .png for display.",
+)
+@click.option("--size", type=options.SIZE, default="512x512", show_default=True)
+@options.ssaa
+@options.effects
+@options.collections
+def command(
+    scene: str,
+    method: str,
+    out: Path,
+    size: tuple[int, int],
+    ssaa: int,
+    effects: str,
+    collections: tuple[Path, ...],
+) -> None:
+    """Render SCENE with METHOD; both as NAME[param=v], METHOD also as a folder."""
+    from oitbench import images
+    from oitbench.render import render
+
+    if out.suffix not in (".exr", ".png"):
+        raise UsageError(f"{out}: unknown kind of picture; end it in .exr or .png")
+    image, exposure = render(scene, method, size, ssaa, effects, collections)
+    if out.suffix == ".exr":
+        images.write_exr(out, image)
+    else:
+        images.write_png(out, images.to_srgb(image, exposure))
