@@ -11,6 +11,7 @@ from oitbench.report.artifacts import (
     Table,
     Tile,
     decimal,
+    fixed,
     write_table,
 )
 from oitbench.report.page import write
@@ -24,6 +25,7 @@ __all__ = [
     "Table",
     "Tile",
     "decimal",
+    "fixed",
     "write",
     "write_table",
 ]

@@ -57,12 +57,9 @@ class Column:
             return "–"
         if isinstance(value, str):
             return value
-        if self.decimals is None or isinstance(value, int) or value == 0:
+        if self.decimals is None or isinstance(value, int):
             return decimal(value, self.digits)
-        # Zero means zero: what is merely small must not look like it.
-        least = 10.0**-self.decimals
-        small = 0 < value < least / 2
-        return f"<{least:.{self.decimals}f}" if small else f"{value:,.{self.decimals}f}"
+        return fixed(value, self.decimals)
 
 
 @dataclass(frozen=True)
@@ -117,6 +114,14 @@ def decimal(value: float, digits: int = 3) -> str:
     if magnitude < -5:
         return f"{value:.{digits - 1}e}"
     return f"{value:,.{max(0, digits - 1 - magnitude)}f}"
+
+
+def fixed(value: float, decimals: int) -> str:
+    """Return `value` with that many decimals; "0" means zero, and what is merely small says so."""
+    if value == 0:
+        return "0"
+    least = 10.0**-decimals
+    return f"<{least:.{decimals}f}" if 0 < value < least / 2 else f"{value:,.{decimals}f}"
 
 
 def write_table(
