@@ -14,7 +14,7 @@ import pytest
 
 from oitbench.errors import CapabilityError, SceneError, UsageError
 from oitbench.path_traced import llvm
-from oitbench.path_traced.exporter import require_traceable
+from oitbench.path_traced.exporter import export, require_traceable
 from oitbench.path_traced.render import _Statistics, render
 from oitbench.path_traced.view import View
 from oitbench.scene import (
@@ -107,12 +107,35 @@ def test_volpath_agrees_where_films_are_far_apart(variant: str | None) -> None:
 
 @needs_mitsuba
 def test_layers_a_hair_apart_are_all_met_and_none_twice() -> None:
-    gap, count = 2e-5, 40
+    gap, count = 2e-6, 40
     film = Material(coverage=0.02, emission=(1.0, 1.0, 1.0), transmission=(0.0, 1.0, 1.0))
     films = tuple(Object(str(i), _quad(-gap * i, tilt=1.0), film) for i in range(count))
-    image = render(Scene("hairs", FRONT, films), (8, 8)).mean
+    camera = Camera((0.03, 0.0, 4.0), target=(0.03, 0.0, 0.0))
+    image = render(Scene("hairs", camera, films), (8, 8)).mean
     expected = (1 - 0.98**count, 0.02 * count, 0.02 * count)
     np.testing.assert_allclose(image, np.broadcast_to(expected, (8, 8, 3)), atol=1e-4)
+
+
+@needs_mitsuba
+@pytest.mark.parametrize("variant", [None, llvm.SLOW_VARIANT])
+def test_films_closer_than_a_step_are_both_met(variant: str | None) -> None:
+    film = Material(coverage=0.5, emission=(1.0, 1.0, 1.0))
+    films = tuple(Object(str(i), _quad(0.3 + 1e-6 * i, tilt=0.7), film) for i in range(2))
+    # From where no ray meets the diagonal that the triangles of a quad share.
+    camera = Camera((0.03, 0.0, 4.0), target=(0.03, 0.0, 0.0))
+    scene = Scene("twins", camera, films, background=(0.0, 0.0, 10.0))
+    image = render(scene, (8, 8), ssaa=1, variant=variant).mean
+    expected = np.broadcast_to((0.75, 0.75, 3.25), (8, 8, 3))
+    np.testing.assert_allclose(image, expected, atol=1e-5)
+
+
+def test_triangles_that_coincide_exactly_are_refused() -> None:
+    first = _quad()
+    turned = dataclasses.replace(first, triangles=np.array([(2, 0, 1)], dtype=np.uint32))
+    objects = tuple(Object(n, m, Material(0.5)) for n, m in (("a", first), ("b", turned)))
+    scene = Scene("same", FRONT, objects)
+    with pytest.raises(CapabilityError, match="2 triangles coincide, as in a and b"):
+        export(scene, View(FRONT, 4, 4))
 
 
 def test_statistics_are_those_of_numpy() -> None:

@@ -49,6 +49,29 @@ def require_traceable(scene: Scene) -> None:
         )
 
 
+def _require_distinct(scene: Scene) -> None:
+    """Raise `CapabilityError` if triangles coincide exactly: a ray would meet only one of them."""
+    corners = [item.mesh.positions[item.mesh.triangles] for item in scene.objects]
+    owners = np.repeat(np.arange(len(corners)), [len(part) for part in corners])
+    triangles = np.concatenate(corners).astype(np.float32) + np.float32(0)
+    edges = np.diff(triangles.astype(np.float64), axis=1)
+    solid = np.cross(edges[:, 0], edges[:, 1]).any(axis=1)
+    triangles, owners = triangles[solid], owners[solid]
+    # Whichever corner comes first: sort the three of each triangle by (x, y, z).
+    order = np.lexsort(triangles.transpose(2, 0, 1)[::-1], axis=1)
+    triangles = np.take_along_axis(triangles, order[..., None], axis=1)
+    rows = np.ascontiguousarray(triangles.reshape(len(triangles), 9)).view("V36").ravel()
+    _, inverse, counts = np.unique(rows, return_inverse=True, return_counts=True)
+    doubled = np.flatnonzero(counts[inverse] > 1)
+    if len(doubled):
+        first = np.flatnonzero(inverse == inverse[doubled[0]])
+        names = sorted({scene.objects[owners[index]].name for index in first})
+        raise CapabilityError(
+            f"scene {scene.name}: {len(doubled)} triangles coincide, as in {' and '.join(names)}; "
+            "a ray meets only one of each, so there is no path-traced truth"
+        )
+
+
 def export(scene: Scene, view: View, mitsuba: ModuleType | None = None) -> Any:
     """Build the Mitsuba scene that `view` sees.
 
@@ -70,6 +93,7 @@ def export(scene: Scene, view: View, mitsuba: ModuleType | None = None) -> Any:
         If the scene has what this version cannot trace, or Mitsuba is not installed.
     """
     require_traceable(scene)
+    _require_distinct(scene)
     mitsuba = llvm.load() if mitsuba is None else mitsuba
     drjit = importlib.import_module("drjit")
     content: dict[str, Any] = {"type": "scene"}
