@@ -9,9 +9,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 
-from oitbench.cli.reference import command
+from oitbench.cli import main
 from oitbench.errors import UsageError
 from oitbench.path_traced import references, stored
 from oitbench.path_traced.fingerprint import fingerprint
@@ -210,6 +209,16 @@ def test_a_reference_is_rendered_once_then_cached_and_a_stale_one_passed_over(
 
 
 @needs_mitsuba
+def test_a_cache_that_cannot_be_written_is_told_but_no_error(tmp_path: Path) -> None:
+    (tmp_path / "file").touch()
+    reference = references.obtain_reference(
+        _scene(), LABEL, SIZE, 2, [], tmp_path / "file", progress=lambda done, count: None
+    )
+    assert "not cached" in reference.message
+    assert reference.mean.shape == (SIZE[1], SIZE[0], 3)
+
+
+@needs_mitsuba
 def test_a_check_fails_on_a_perturbed_mean_and_shows_it(tmp_path: Path) -> None:
     scene = _scene()
     good = references.render_reference(scene, LABEL, SIZE, progress=lambda done, count: None)
@@ -242,7 +251,9 @@ def build(*, name: str, coverage: float) -> Scene:
 
 
 @needs_mitsuba
-def test_the_command_renders_checks_and_notices_a_change(tmp_path: Path) -> None:
+def test_the_command_renders_checks_and_notices_a_change(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
     folder = tmp_path / "mine"
     (folder / "scenes").mkdir(parents=True)
     path = folder / "scenes" / "pane.py"
@@ -250,11 +261,10 @@ def test_the_command_renders_checks_and_notices_a_change(tmp_path: Path) -> None
 
     def run(*arguments: str) -> tuple[int, str]:
         words = ["--collection", str(folder), "-o", str(tmp_path / "failures"), *arguments]
-        result = CliRunner().invoke(command, words)
-        return result.exit_code, result.output
+        return _main(monkeypatch, capsys, *words)
 
-    rendered = CliRunner().invoke(command, ["pane", "--size", "12x8", "--collection", str(folder)])
-    assert rendered.exit_code == 0, rendered.output
+    code, output = _main(monkeypatch, capsys, "pane", "--size", "12x8", "--collection", str(folder))
+    assert code == 0, output
     assert stored.read_manifest(folder / "reference").keys() == {"pane@12x8"}
     code, output = run("--check", "pane")
     assert (code, "passed" in output) == (0, True), output
@@ -269,7 +279,22 @@ def test_the_command_renders_checks_and_notices_a_change(tmp_path: Path) -> None
     for wrong in (["pain"], ["pane", "--size", "12"], ["pane", "--check", "--size", "3x3"]):
         code, output = run(*wrong)
         assert code == 2, output
-        assert output.count("error:") == 1
+        assert output.count("oitbench:") == 1
+
+
+def _main(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], *words: str
+) -> tuple[int, str]:
+    """Run the verb as the shell would; return its exit code and all that it printed."""
+    monkeypatch.setattr("sys.argv", ["oitbench", "reference", *words])
+    code: object = 0
+    try:
+        main()
+    except SystemExit as stop:
+        code = stop.code or 0
+    captured = capsys.readouterr()
+    assert isinstance(code, int)
+    return code, captured.out + captured.err
 
 
 def _perturbed(folder: Path) -> Reference:

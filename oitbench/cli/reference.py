@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import re
+import sys
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,12 +10,12 @@ from pathlib import Path
 import click
 from rich.console import Console
 
+from oitbench.cli import options
 from oitbench.collection import Collection, own_folder
-from oitbench.errors import CapabilityError, OitbenchError, UsageError
+from oitbench.errors import CapabilityError, UsageError
 from oitbench.path_traced import references, stored
 from oitbench.path_traced.stored import Reference
 
-_SIZE = re.compile(r"^([1-9]\d*)x([1-9]\d*)$")
 _CHECK_SPP = 4
 _CHECK_SEED = 2
 
@@ -32,18 +32,11 @@ class Job:
 @click.command("reference", short_help="Render or check the path-traced references.")
 @click.argument("scenes", nargs=-1, metavar="[SCENE]...")
 @click.option("--spp", type=click.IntRange(2), help="Samples per sub-pixel, where any are drawn.")
-@click.option("--size", metavar="WxH", help="Pixels.  [default: as stored, else 256x256]")
+@click.option("--size", type=options.SIZE, help="Pixels.  [default: as stored, else 256x256]")
 @click.option("--ssaa", type=click.IntRange(1, 16), help="Sub-pixel grid.  [default: 2]")
 @click.option("--seed", type=click.IntRange(0), default=1, show_default=True)
 @click.option("--check", is_flag=True, help="Render again and test against what is stored.")
-@click.option(
-    "--collection",
-    "collections",
-    multiple=True,
-    metavar="DIR",
-    type=click.Path(path_type=Path),
-    help="A folder with more scenes; may be repeated.",
-)
+@options.collections
 @click.option(
     "-o",
     "--output",
@@ -54,7 +47,7 @@ class Job:
 def command(
     scenes: tuple[str, ...],
     spp: int | None,
-    size: str | None,
+    size: tuple[int, int] | None,
     ssaa: int | None,
     seed: int,
     check: bool,
@@ -68,25 +61,22 @@ def command(
     seed, and tested pixel by pixel; the exit code is 1 if one fails or is out of date.
     """
     console = Console(highlight=False, soft_wrap=True)
-    try:
-        collection = Collection.load(collections)
-        jobs = list(_jobs(collection, scenes, size, ssaa))
-        if check:
-            results = [_check(console, collection, job, spp, output) for job in jobs]
-        else:
-            results = [_render(console, collection, job, spp, seed, output) for job in jobs]
-    except OitbenchError as error:
-        console.print(f"error: {error}", style="red", markup=False)
-        raise SystemExit(2) from error
-    if not all(results):
-        raise SystemExit(1)
+    collection = Collection.load(collections)
+    jobs = list(_jobs(collection, scenes, size, ssaa))
+    if check:
+        results = [_check(console, collection, job, spp, output) for job in jobs]
+        sys.exit(0 if all(results) else 1)
+    for job in jobs:
+        _render(console, collection, job, spp, seed, output)
 
 
 def _jobs(
-    collection: Collection, scenes: tuple[str, ...], size: str | None, ssaa: int | None
+    collection: Collection,
+    scenes: tuple[str, ...],
+    wanted: tuple[int, int] | None,
+    ssaa: int | None,
 ) -> Iterator[Job]:
     """Yield what was named; without a size, what is stored of it, else 256x256."""
-    wanted = None if size is None else _parse_size(size)
     known = [
         entry
         for folder in collection.folders
@@ -103,13 +93,6 @@ def _jobs(
             yield Job(label, pixels, ssaa or (same[0] if same else 2))
 
 
-def _parse_size(text: str) -> tuple[int, int]:
-    match = _SIZE.match(text)
-    if match is None:
-        raise UsageError(f"size '{text}' cannot be read; write it as 256x256")
-    return int(match[1]), int(match[2])
-
-
 def _render(
     console: Console,
     collection: Collection,
@@ -117,7 +100,7 @@ def _render(
     spp: int | None,
     seed: int,
     output: Path | None,
-) -> bool:
+) -> None:
     scene = collection.build_scene(job.scene)
     try:
         reference = references.render_reference(
@@ -125,11 +108,10 @@ def _render(
         )
     except CapabilityError as error:
         console.print(f"skipped  {error}", style="yellow", markup=False)
-        return True
+        return
     folder = output or _home(collection, job.scene) / references.FOLDER
     stored.save(folder, reference)
     console.print(f"rendered {folder / reference.key}  {_floor(reference)}", markup=False)
-    return True
 
 
 def _check(

@@ -4,7 +4,9 @@
 about 1e-4 of its distance from the origin. Layers that lie nearer than that are lost (2 of 100 in a
 cloud of crossing cards), and at grazing angles the ray drifts sideways with every layer. While all
 that a scene does to light is to tint it, the straight integrator stays on the one line: it advances
-by some rounding errors and recognizes the triangle that it has just left.
+by a few rounding errors, looks back over them for a film that it skipped, and recognizes the
+triangles that it has met already. What is left unmet are films nearer than about 2e-7 of their
+distance, and all but two of those within one step.
 """
 
 from __future__ import annotations

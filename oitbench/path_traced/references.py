@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from oitbench import images, metrics
+from oitbench.errors import UsageError
 from oitbench.images import Image
 from oitbench.path_traced import llvm
 from oitbench.path_traced.fingerprint import fingerprint
@@ -103,7 +104,7 @@ def obtain_reference(
     Returns
     -------
     Reference
-        Never stale; its message tells if a stale one was passed over.
+        Never stale; its message tells if a stale one was passed over or the cache is read-only.
 
     Raises
     ------
@@ -117,8 +118,12 @@ def obtain_reference(
     if found is not None and not found.stale:
         return found
     reference = render_reference(scene, label, size, ssaa, spp, seed, progress)
-    save(_cached_place(cache, reference.fingerprint, size, ssaa), reference)
-    return reference if found is None else replace(reference, message=found.message)
+    message = found.message if found is not None else ""
+    try:
+        save(_cached_place(cache, reference.fingerprint, size, ssaa), reference)
+    except UsageError as error:
+        message = f"{message}; not cached: {error}".removeprefix("; ")
+    return replace(reference, message=message)
 
 
 def render_reference(
