@@ -165,7 +165,8 @@ class _Layout:
 
     @property
     def columns(self) -> int:
-        return min(_COLUMNS, self.count)
+        # As few rows as possible, and those of almost equal length.
+        return math.ceil(self.count / math.ceil(self.count / _COLUMNS))
 
     @property
     def tile_height(self) -> float:

@@ -24,6 +24,8 @@ order = 10
 
 # Below the smallest error, the axis is linear down to zero, where exact methods lie.
 _LEAST_ERROR = 1e-4
+# Times within this factor get a tick at every digit.
+_NARROW = 5
 # The path tracer's curve may take this many times the slowest method's time on the axis.
 _CURVE_ROOM = 12
 _COLUMNS = (
@@ -135,7 +137,8 @@ def _scale(axes: Axes, points: dict[str, tuple[float, float]]) -> None:
     times = [time for time, _ in points.values()]
     axes.set_xscale("log")
     axes.set_xlim(min(times) / 1.4, max(times) * 1.9)
-    axes.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+    narrow = max(times) < _NARROW * min(times)
+    axes.xaxis.set_major_locator(LogLocator(subs=range(1, 10) if narrow else (1, 2, 5)))
     axes.xaxis.set_minor_locator(NullLocator())
     axes.xaxis.set_major_formatter("{x:g}")
     errors = [error for _, error in points.values()]

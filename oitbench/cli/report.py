@@ -6,6 +6,8 @@ from pathlib import Path
 
 import click
 
+from oitbench.cli import options
+
 
 @click.command()
 @click.argument("results", type=click.Path(path_type=Path))
@@ -16,13 +18,7 @@ import click
     help="Folder of the report; RESULTS/report without.",
 )
 @click.option("--hdr", is_flag=True, help="Show HDR-FLIP instead of FLIP of the displayed image.")
-@click.option(
-    "--collection",
-    "collections",
-    multiple=True,
-    type=click.Path(path_type=Path),
-    help="Folder with further reports; repeatable.",
-)
+@options.collections
 def command(results: Path, out: Path | None, hdr: bool, collections: tuple[Path, ...]) -> None:
     """Write the report of RESULTS: every figure as PNG and PDF, every table as CSV, one page."""
     from oitbench.collection import Collection

@@ -73,6 +73,15 @@ class Table:
     rows: tuple[tuple[Value, ...], ...]
     collapsed: bool = False
 
+    @property
+    def visible(self) -> list[int]:
+        """Places of the columns that hold anything; the page leaves out the others."""
+        return [
+            place
+            for place in range(len(self.columns))
+            if any(row[place] not in (None, "") for row in self.rows)
+        ]
+
 
 @dataclass(frozen=True)
 class Tile:

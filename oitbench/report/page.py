@@ -162,7 +162,7 @@ def _facts(facts: Mapping[str, Any]) -> list[tuple[str, str]]:
         "Command": " ".join(map(str, facts.get("argv") or [])),
         "Seed": facts.get("seed"),
         "Date": facts.get("date"),
-        "Wall time": _wall_time(facts.get("wall_s") or {}),
+        "Wall time": _wall_time(facts.get("wall") or {}),
     }
     return [(name, str(value)) for name, value in rows.items() if value not in (None, "")]
 
