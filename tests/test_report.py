@@ -218,6 +218,10 @@ def test_methods_keep_order_and_look(folder: Path) -> None:
     alone = palette.styles({"murk": "murk"}, known=["glow", "murk"])
     both = palette.styles({"murk": "murk", "glow": "glow"}, known=["glow", "murk"])
     assert alone["murk"] == both["murk"]
+    murk = unfinished("panes", "murk", "failed", "no")
+    glow = unfinished("panes", "glow", "failed", "no")
+    shown = [Results(folder, records, FACTS).style("murk") for records in ((murk,), (glow, murk))]
+    assert shown[0] == shown[1]
 
 
 def test_twenty_four_methods_have_distinct_colors() -> None:
