@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import importlib
+from typing import TYPE_CHECKING, Any
+
 from oitbench.declare import (
     ADD,
     ATTENUATE,
@@ -25,7 +28,22 @@ from oitbench.declare import (
 from oitbench.effects import Effect
 from oitbench.selector import Parameter
 
+if TYPE_CHECKING:
+    from oitbench.matrix import execute as run
+    from oitbench.render import render
+
 __version__ = "0.1.0"
+
+# The verbs of the command line; what renders is imported when it is called.
+_VERBS = {"run": ("oitbench.matrix", "execute"), "render": ("oitbench.render", "render")}
+
+
+def __getattr__(name: str) -> Any:
+    if name in _VERBS:
+        module, function = _VERBS[name]
+        return getattr(importlib.import_module(module), function)
+    raise AttributeError(f"module 'oitbench' has no attribute '{name}'")
+
 
 __all__ = [
     "ADD",
@@ -49,4 +67,6 @@ __all__ = [
     "Step",
     "Target",
     "__version__",
+    "render",
+    "run",
 ]

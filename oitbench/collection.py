@@ -203,8 +203,10 @@ def _children(folder: Path, pattern: str) -> list[Path]:
 
 def _load(path: Path) -> ModuleType:
     """Load a plugin's file under a private name, so that it can collide with nothing."""
+    # Signs become their code points, so that `my-method` and `my_method` stay two modules.
     name = "oitbench_plugin_" + "_".join(
-        "".join(c if c.isalnum() else "_" for c in part) for part in path.with_suffix("").parts[1:]
+        "".join(c if c.isalnum() else f"_{ord(c):x}_" for c in part)
+        for part in path.with_suffix("").parts[1:]
     )
     specification = importlib.util.spec_from_file_location(name, path)
     assert specification is not None

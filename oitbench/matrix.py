@@ -10,6 +10,7 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from pathlib import Path
 from queue import Queue
+from typing import Any
 
 from oitbench import environment, selector
 from oitbench.cell import Cell, choose_effects
@@ -238,6 +239,24 @@ def run(asked: Plan, report: Report = lambda cell, record: None) -> Outcome:
         for worker in pool:
             worker.stop()
     return outcome
+
+
+def execute(
+    scenes: Sequence[str] = (),
+    methods: Sequence[str] = (),
+    preset: str = "quick",
+    size: tuple[int, int] | None = None,
+    out: Path | str = "results",
+    **options: Any,
+) -> Outcome:
+    """Plan and run a matrix in one call: `oitbench.run`.
+
+    Parameters
+    ----------
+    scenes, methods, preset, size, out
+        As in `plan`, as are all further options.
+    """
+    return run(plan(scenes, methods, preset, size, out=out, **options))
 
 
 def _facts(asked: Plan, hello: Message) -> Record:

@@ -131,4 +131,6 @@ def text(value: Value) -> str:
     """Return `value` as it is written in `NAME[param=value]`."""
     if isinstance(value, bool):
         return "true" if value else "false"
-    return f"{value:g}" if isinstance(value, float) else str(value)
+    if isinstance(value, float) and float(f"{value:g}") == value:
+        return f"{value:g}"
+    return str(value)

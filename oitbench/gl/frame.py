@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import moderngl
 import numpy as np
@@ -125,10 +125,10 @@ class Frame:
         self.complexity = self._count_fragments()
         if self.resources.listed:
             self.resources.reserve(_by_tile(self.complexity, self.resources.tiles))
+        absent = {*method.targets, *method.buffers} - {*targets, *buffers, "color"}
+        running = [_running(step, effects, absent) for step in method.passes]
         self.steps = [
-            (step, [self._compile(p) for p in _passes(step)])
-            for step in method.passes
-            if any(_runs(p.when, effects) for p in _passes(step))
+            (step, [self._compile(p) for p in _passes(step)]) for step in running if _passes(step)
         ]
         self._framebuffer_color = device.context.framebuffer([self.textures["color"]])
         self._framebuffer_opaque = device.context.framebuffer(
@@ -377,6 +377,23 @@ def check_size(device: Device, size: tuple[int, int]) -> None:
 
 def _runs(when: Effect, effects: Effect) -> bool:
     return when is Effect.NONE or bool(when & effects)
+
+
+def _running(step: Step, effects: Effect, absent: set[str]) -> Step:
+    """Return what is left of `step`: the passes that run, without the `absent` resources."""
+    passes = tuple(
+        replace(
+            p,
+            reads=tuple(name for name in p.reads if name not in absent),
+            writes={name: blend for name, blend in p.writes.items() if name not in absent},
+            buffers=tuple(name for name in p.buffers if name not in absent),
+        )
+        for p in _passes(step)
+        if _runs(p.when, effects)
+    )
+    if isinstance(step, Pass) and passes:
+        return passes[0]
+    return Interleaved(passes, step.order)
 
 
 def _passes(step: Step) -> tuple[Pass, ...]:

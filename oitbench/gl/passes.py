@@ -48,9 +48,8 @@ class CompiledPass:
         context.depth_func = "<"
         for slot, blend in enumerate(self.step.writes.values()):
             device.set_blend(slot, blend)
-        for unit, (name, texture) in enumerate(self.samplers.items()):
+        for unit, texture in enumerate(self.samplers.values()):
             texture.use(unit)
-            self.program[name] = unit
         view.bind_to_uniform_block(0)
         if self.step.buffers:
             context.memory_barrier()
@@ -135,7 +134,10 @@ def compile_pass(
         fragment.add_text("main", "void main() { if (!gl_HelperInvocation) { resolve(); } }")
         vertex.add_file("screen.vert.glsl")
     program = _program(device, vertex, fragment)
-    used = {name: texture for name, texture in samplers.items() if name in program}
+    used = {name: item for name, item in samplers.items() if name in program}
+    for unit, name in enumerate(used):
+        # A program is shared by frames, but its samplers always come in this order.
+        program[name] = unit
     colors = [textures[name] for name in step.writes]
     depth = textures["opaque_depth"] if step.draws is Draws.FRAGMENTS else None
     framebuffer = (

@@ -1,0 +1,5 @@
+"""`python -m oitbench`."""
+
+from oitbench.cli import main
+
+main()
