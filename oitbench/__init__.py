@@ -30,12 +30,12 @@ from oitbench.selector import Parameter
 
 if TYPE_CHECKING:
     from oitbench.matrix import execute as run
-    from oitbench.render import render
+    from oitbench.picture import render
 
 __version__ = "0.1.0"
 
 # The verbs of the command line; what renders is imported when it is called.
-_VERBS = {"run": ("oitbench.matrix", "execute"), "render": ("oitbench.render", "render")}
+_VERBS = {"run": ("oitbench.matrix", "execute"), "render": ("oitbench.picture", "render")}
 
 
 def __getattr__(name: str) -> Any:

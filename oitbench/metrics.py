@@ -33,7 +33,8 @@ NAMES = (FLIP_LDR, FLIP_HDR, SSIM, PSNR, RMSE, RELMSE)
 # The viewing conditions of the FLIP papers: 0.7 m from a screen 0.7 m and 3840 pixels wide.
 PIXELS_PER_DEGREE = 3840 * math.pi / 180
 HDR_STOPS = 2.0
-"""HDR-FLIP looks this many stops below and above the scene's exposure, one image per stop."""
+"""HDR-FLIP looks this many stops below and above the scene's exposure, and at it."""
+_HDR_IMAGES = 3
 
 _RELATIVE_EPSILON = 1e-2
 _SSIM_WINDOW = 11
@@ -296,8 +297,11 @@ def _ldr_map(reference: Image, test: Image, exposure: float) -> Image:
 def _hdr_map(reference: Image, test: Image, start: float, stop: float) -> Image:
     if not start < stop:
         raise ValueError(f"HDR-FLIP needs start < stop, not {start} and {stop}")
-    count = max(2, math.ceil(stop - start) + 1)
-    pinned = {"startExposure": float(start), "stopExposure": float(stop), "numExposures": count}
+    pinned = {
+        "startExposure": float(start),
+        "stopExposure": float(stop),
+        "numExposures": _HDR_IMAGES,
+    }
     truth, guess = (np.maximum(image, np.float32(0)) for image in (reference, test))
     return _evaluate(truth, guess, "HDR", pinned)
 

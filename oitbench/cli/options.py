@@ -3,31 +3,41 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any, TypeVar
 
 import click
 
 from oitbench.errors import UsageError
 
-
-class Size(click.ParamType):
-    """`WxH` in pixels."""
-
-    name = "WxH"
-
-    def convert(
-        self, value: object, param: click.Parameter | None, ctx: click.Context | None
-    ) -> tuple[int, int]:
-        match = re.fullmatch(r"(\d+)x(\d+)", str(value))
-        if match is None:
-            raise UsageError(f"cannot read size '{value}'; write it as 640x360")
-        width, height = int(match[1]), int(match[2])
-        if min(width, height) < 1:
-            raise UsageError(f"size {width}x{height} is empty; both sides must be at least 1")
-        return width, height
+Command = TypeVar("Command", bound=Callable[..., Any])
 
 
-SIZE = Size()
+def parse_size(text: str) -> tuple[int, int]:
+    """Return (width, height) from `WxH`; raise `UsageError` if it is no size."""
+    match = re.fullmatch(r"(\d+)x(\d+)", text)
+    if match is None:
+        raise UsageError(f"cannot read size '{text}'; write it as 640x360")
+    width, height = int(match[1]), int(match[2])
+    if min(width, height) < 1:
+        raise UsageError(f"size {width}x{height} is empty; both sides must be at least 1")
+    return width, height
+
+
+def _read_size(
+    ctx: click.Context, parameter: click.Parameter, value: str | None
+) -> tuple[int, int] | None:
+    return None if value is None else parse_size(value)
+
+
+def size(default: str | None, told: str) -> Callable[[Command], Command]:
+    """Return the option `--size`, whose value is (width, height) in pixels."""
+    return click.option(
+        "--size", metavar="WxH", default=default, show_default=True, callback=_read_size, help=told
+    )
+
+
 collections = click.option(
     "--collection",
     "collections",

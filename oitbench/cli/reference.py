@@ -32,7 +32,7 @@ class Job:
 @click.command("reference", short_help="Render or check the path-traced references.")
 @click.argument("scenes", nargs=-1, metavar="[SCENE]...")
 @click.option("--spp", type=click.IntRange(2), help="Samples per sub-pixel, where any are drawn.")
-@click.option("--size", type=options.SIZE, help="Pixels.  [default: as stored, else 256x256]")
+@options.size(None, "Pixels.  [default: as stored, else 256x256]")
 @click.option("--ssaa", type=click.IntRange(1, 16), help="Sub-pixel grid.  [default: 2]")
 @click.option("--seed", type=click.IntRange(0), default=1, show_default=True)
 @click.option("--check", is_flag=True, help="Render again and test against what is stored.")

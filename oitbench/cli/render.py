@@ -20,7 +20,7 @@ from oitbench.errors import UsageError
     type=click.Path(dir_okay=False, path_type=Path),
     help="Picture to write: .exr for linear radiance, .png for display.",
 )
-@click.option("--size", type=options.SIZE, default="512x512", show_default=True)
+@options.size("512x512", "Pixels of the image.")
 @options.ssaa
 @options.effects
 @options.collections
@@ -35,7 +35,7 @@ def command(
 ) -> None:
     """Render SCENE with METHOD; both as NAME[param=v], METHOD also as a folder."""
     from oitbench import images
-    from oitbench.render import render
+    from oitbench.picture import render
 
     if out.suffix not in (".exr", ".png"):
         raise UsageError(f"{out}: unknown kind of picture; end it in .exr or .png")

@@ -24,7 +24,7 @@ from oitbench.cli import options
     multiple=True,
     help="NAME[param=v,w] or a method's folder; repeatable. All without.",
 )
-@click.option("--size", type=options.SIZE, help="Pixels of the image; the preset's without.")
+@options.size(None, "Pixels of the image; the preset's without.")
 @options.ssaa
 @options.effects
 @click.option("--out", type=click.Path(path_type=Path), default=Path("results"), show_default=True)

@@ -1,4 +1,4 @@
-"""GLSL sources: lookup, includes, and compiler messages that name the plugin's own file and line."""
+"""GLSL sources: lookup, includes, and compiler messages that name a plugin's own file and line."""
 
 from __future__ import annotations
 
@@ -11,21 +11,25 @@ from pathlib import Path
 from oitbench.errors import DeclarationError
 
 _INCLUDE = re.compile(r'^\s*#include\s+"([^"]+)"\s*$')
-# Mesa writes "3:14(7): error: …", NVIDIA "3(14) : error …", Intel and AMD "ERROR: 3:14: …".
+# Mesa writes "0:14(7): error: …", NVIDIA "0(14) : error …", Intel and AMD "ERROR: 0:14: …".
 _MESSAGES = (
-    re.compile(r"^\s*(?P<file>\d+):(?P<line>\d+)\(\d+\):\s*(?P<text>error.*)$", re.M),
-    re.compile(r"^\s*(?P<file>\d+)\((?P<line>\d+)\)\s*:\s*(?P<text>error.*)$", re.M),
-    re.compile(r"^\s*ERROR:\s*(?P<file>\d+):(?P<line>\d+):\s*(?P<text>.*)$", re.M),
+    re.compile(r"^\s*\d+:(?P<line>\d+)\(\d+\):\s*(?P<text>error.*)$", re.M),
+    re.compile(r"^\s*\d+\((?P<line>\d+)\)\s*:\s*(?P<text>error.*)$", re.M),
+    re.compile(r"^\s*ERROR:\s*\d+:(?P<line>\d+):\s*(?P<text>.*)$", re.M),
 )
+_VERSION = "#version 450 core"
 
 
 @dataclass
 class Source:
-    """A shader under assembly; each file keeps its number for `#line`, so errors can be placed."""
+    """A shader under assembly; the place that each line comes from is kept, so errors can be told.
+
+    `#line` would not do: Mesa forgets its file number in most messages about expressions.
+    """
 
     folder: Path | None
     lines: list[str] = field(default_factory=list)
-    names: list[str] = field(default_factory=list)
+    places: list[tuple[str, int]] = field(default_factory=list)
 
     def add_text(self, name: str, text: str) -> None:
         """Append generated `text`, called `name` in messages."""
@@ -46,29 +50,28 @@ class Source:
         return f"oitbench/glsl/{name}", shared.read_text(encoding="utf-8")
 
     def _append(self, name: str, text: str, open_files: Sequence[str]) -> None:
-        number = len(self.names)
-        self.names.append(name)
-        self.lines.append(f"#line 1 {number}")
         for index, line in enumerate(text.splitlines(), start=1):
             include = _INCLUDE.match(line)
             if include is None:
                 self.lines.append(line)
+                self.places.append((name, index))
                 continue
             if include[1] in open_files:
                 raise DeclarationError(f"{name}:{index}: '{include[1]}' includes itself")
             self._append(*self._read(include[1]), (*open_files, include[1]))
-            self.lines.append(f"#line {index + 1} {number}")
 
     @property
     def text(self) -> str:
         """The whole source, from `#version` on."""
-        return "\n".join(["#version 450 core", *self.lines, ""])
+        return "\n".join([_VERSION, *self.lines, ""])
 
     def explain(self, log: str) -> str:
         """Turn a compiler's log into one line that begins with the culprit's file and line."""
         for pattern in _MESSAGES:
             match = pattern.search(log)
-            if match is not None and int(match["file"]) < len(self.names):
-                return f"{self.names[int(match['file'])]}:{match['line']}: {match['text'].strip()}"
+            # The first line of the text is `#version`, and drivers count from one.
+            if match is not None and 0 <= int(match["line"]) - 2 < len(self.places):
+                name, line = self.places[int(match["line"]) - 2]
+                return f"{name}:{line}: {match['text'].strip()}"
         kept = [line for line in log.splitlines() if line.strip(" =-")]
-        return " ".join([self.names[-1] + ":", *kept[:6]])
+        return " ".join([self.places[-1][0] + ":", *kept[:6]])
