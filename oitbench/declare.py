@@ -222,8 +222,6 @@ class Method:
     name: ClassVar[str] = ""
     """Set by the loader: the folder's name."""
     parameters: ClassVar[Mapping[str, Parameter]] = {}
-    holds: ClassVar[frozenset[str]] = frozenset()
-    """Identities that the method promises; see CONVENTIONS.md."""
     truth: ClassVar[Mapping[str, Value] | None] = None
     """Parameters under which the method is the suite's exact truth; None for all but one."""
 
@@ -240,6 +238,11 @@ class Method:
     def label(self) -> str:
         """The name with those parameters that differ from their defaults."""
         return variant(self.name, self.values, self.parameters)
+
+    @property
+    def holds(self) -> frozenset[str]:
+        """Identities that the method promises; see CONVENTIONS.md."""
+        return frozenset()
 
     @property
     def expresses(self) -> Effect:

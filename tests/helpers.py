@@ -140,22 +140,30 @@ def step(target: Target, magnitude: float) -> float:
 
 
 def tolerance(chosen: Method, layers: int, magnitude: float) -> float:
-    """Return the rounding error that the method's formats allow for colors up to `magnitude`.
+    """Return the error that the method's formats allow for colors up to `magnitude`.
 
-    Each write of a target may be off by one step (drivers may truncate), and no later blend makes
-    an error larger. A sum that is divided by another carries the relative error of both; a
-    normalized transmittance acts on differences of colors. A packed record holds 8 bits of color
-    and opacity, each off by half a step.
+    That is `rounding`; and a packed record holds 8 bits of color and opacity, each off by half a
+    step.
+    """
+    packed = chosen.values.get("node") == "compact"
+    quantization = layers * (1 + magnitude) / 510 if packed else 0.0
+    return quantization + rounding(chosen, layers, magnitude)
+
+
+def rounding(chosen: Method, layers: int, magnitude: float) -> float:
+    """Return the error of arithmetic and of writes to targets alone.
+
+    Each write of a target may be off by one step (drivers may truncate), the opaque color's too,
+    and no later blend makes an error larger. A sum that is divided by another carries the relative
+    error of both; a normalized transmittance acts on differences of colors.
     """
     targets = {"color": Target("rgba16f"), **chosen.targets}
-    error = 0.0
+    error = step(targets["color"], 1.0) * magnitude
     for item in all_passes(chosen):
         writes = layers if item.draws is Draws.FRAGMENTS else 1
         for name in item.writes:
             quotient = name != "color" and targets[name].texel.dtype != "f1"
             error += writes * step(targets[name], 1.0) * magnitude * (2 if quotient else 1)
-    if chosen.values.get("node") == "compact":
-        error += layers * (1 + magnitude) / 510
     if any(item.buffers for item in all_passes(chosen)):
         error += 4 * layers * 2.0**-23 * magnitude
     return error

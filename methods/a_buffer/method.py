@@ -4,7 +4,7 @@
 
 The only method here that is exact for any geometry, order and depth complexity. Fragments of equal
 depth are ordered by what they carry, never by arrival, so the image is the same for every order of
-the draws, bit for bit.
+the draws: bit for bit where they are sorted, to float rounding where they are not.
 
 Parameters
 ----------
@@ -56,7 +56,12 @@ class ABuffer(Method):
         "resolve": Parameter("sorted", choices=("sorted", "iterative"), help="compositing"),
     }
     truth = {"node": "precise", "resolve": "sorted"}
-    holds = frozenset({"U1", "U2", "U2c", "U3", "U4", "U5", "U6", "U7", "U8", "U9", "U10", "U11"})
+
+    @property
+    def holds(self) -> frozenset[str]:
+        held = {"U1", "U2", "U3", "U4", "U5", "U6", "U7", "U8", "U9", "U11"}
+        # A packed record is grey and clips.
+        return frozenset(held | {"U2c", "U10"} if self.text("node") == "precise" else held)
 
     @property
     def expresses(self) -> Effect:

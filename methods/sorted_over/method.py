@@ -29,7 +29,7 @@ class SortedOver(Method):
             help="unit that is sorted",
         )
     }
-    holds = frozenset({"U1", "U2", "U2c", "U3", "U6", "U7", "U8", "U10"})
+    holds = frozenset({"U1", "U2", "U2c", "U3", "U5", "U6", "U7", "U8", "U9", "U10"})
 
     @property
     def passes(self) -> tuple[Step, ...]:

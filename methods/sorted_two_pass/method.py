@@ -38,7 +38,11 @@ class SortedTwoPass(Method):
             help="unit of sorting",
         )
     }
-    holds = frozenset({"U1", "U2", "U2c", "U3", "U6", "U7", "U8", "U10"})
+
+    @property
+    def holds(self) -> frozenset[str]:
+        held = {"U1", "U2", "U2c", "U3", "U6", "U7", "U8", "U10"}
+        return frozenset(held if self.text("sort") == "none" else held | {"U5", "U9"})
 
     @property
     def passes(self) -> tuple[Step, ...]:
