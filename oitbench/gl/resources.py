@@ -81,6 +81,8 @@ def split(demand: Counts, limit: int) -> list[Region]:
 class Resources:
     """What a method's declaration allocates for a frame of `size`.
 
+    `asked` counts the records that fragments asked for since it was last set to zero.
+
     Parameters
     ----------
     device : Device
@@ -91,6 +93,8 @@ class Resources:
     bindings : Bindings
     block_limit : int
         Bytes that one storage block may have.
+    samples : int
+        Samples a pixel of every target.
     """
 
     def __init__(
@@ -101,16 +105,19 @@ class Resources:
         buffers: Mapping[str, Buffer],
         bindings: Bindings,
         block_limit: int,
+        samples: int = 1,
     ) -> None:
         self.device, self.size, self.targets, self.buffers = device, size, targets, buffers
+        self.samples = samples
         self.bindings, self.block_limit = bindings, block_limit
         self.tiles = (math.ceil(size[1] / TILE), math.ceil(size[0] / TILE))
         self.textures = {
-            name: device.texture(size, target.texel) for name, target in targets.items()
+            name: device.texture(size, target.texel, samples) for name, target in targets.items()
         }
         self._blocks: dict[tuple[str, str], moderngl.Buffer] = {}
         self._allocators: dict[str, moderngl.Buffer] = {}
         self._records: dict[str, int] = {}
+        self.asked = 0
         self.regions = [Region(0, 0, self.tiles[1], self.tiles[0])]
         for name, buffer in buffers.items():
             if buffer.items is Items.PIXELS:
@@ -164,12 +171,18 @@ class Resources:
 
     def begin(self, region: Region) -> None:
         """Clear the buffers, and hand each tile of `region` its share of the records."""
+        self._wait()
         for (name, _), block in self._blocks.items():
             value = self.buffers[name].clear
             if value is not None:
                 block.clear(chunk=np.uint32(value).tobytes())
         for allocator in self._allocators.values():
             allocator.write(self._shares(region).tobytes())
+
+    def _wait(self) -> None:
+        """Let what shaders did to buffers come before what is done to them from outside."""
+        if self._blocks:
+            self.device.context.memory_barrier()
 
     def _shares(self, region: Region) -> npt.NDArray[np.uint32]:
         inside = np.zeros(self.tiles, dtype=np.int64)
@@ -185,9 +198,11 @@ class Resources:
         """Return the records that each tile of `region` asked for, if any had too few."""
         given = self._shares(region)
         needed: Counts | None = None
+        self._wait()
         for allocator in self._allocators.values():
             words = np.frombuffer(allocator.read(), dtype=np.uint32).reshape(given.shape)
             asked = (words[:, 0] - given[:, 0]).astype(np.int64).reshape(self.tiles)
+            self.asked += int(asked.sum())
             if (words[:, 0] > words[:, 1]).any():
                 needed = asked if needed is None else np.maximum(needed, asked)
         return needed
@@ -201,10 +216,15 @@ class Resources:
         if self._counters is not None and self.bindings.counters is not None:
             self._counters.bind_to_storage_buffer(self.bindings.counters)
 
+    def copy(self, source: str, target: str) -> None:
+        """Copy one target's texels to another of its format."""
+        self.device.copy(self.textures[source], self.textures[target], self.size, self.samples)
+
     def take_counts(self) -> dict[tuple[str, str, str], int]:
         """Return the accesses counted since the last call, by (buffer, field, kind)."""
         if self._counters is None:
             return {}
+        self._wait()
         words = np.frombuffer(self._counters.read(), dtype=np.uint32)
         totals = words.reshape(-1, len(self.bindings.slots)).sum(axis=0, dtype=np.int64)
         self._counters.clear()
@@ -213,7 +233,8 @@ class Resources:
     def memory(self) -> list[tuple[str, int]]:
         """Return (resource, bytes) of all that the method's declaration allocated."""
         pixels = self.size[0] * self.size[1]
-        terms = [(name, target.texel.bytes * pixels) for name, target in self.targets.items()]
+        texels = pixels * self.samples
+        terms = [(name, target.texel.bytes * texels) for name, target in self.targets.items()]
         terms += [
             (name, buffer.record_bytes * self._records.get(name, 0))
             for name, buffer in self.buffers.items()
