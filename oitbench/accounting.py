@@ -9,9 +9,10 @@ from __future__ import annotations
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from oitbench.declare import Draws, Interleaved, Items, Pass
+from oitbench.declare import Draws, Items, Pass
 from oitbench.formats import GLSL_BYTES
-from oitbench.gl.frame import Frame, PassRecord
+from oitbench.gl.frame import Frame
+from oitbench.gl.steps import PassRecord
 
 
 @dataclass(frozen=True)
@@ -74,27 +75,26 @@ def traffic(frame: Frame, records: list[PassRecord]) -> list[Term]:
         What the frame's passes did, from `Frame.issue`.
     """
     pixels = frame.size[0] * frame.size[1]
+    texels = pixels * frame.samples
     terms = [
-        Term("clear", name, "clear", pixels, target.texel.bytes)
+        Term("clear", name, "clear", texels, target.texel.bytes)
         for name, target in frame.resources.targets.items()
     ]
     for name, buffer in frame.resources.buffers.items():
         if buffer.clear is not None:
             items = pixels if buffer.items is Items.PIXELS else frame.resources.records(name)
             terms.append(Term("clear", name, "clear", items, buffer.record_bytes))
-    compiled = [
-        item
-        for step, _ in frame.steps
-        for item in (step.passes if isinstance(step, Interleaved) else (step,))
-    ]
-    for step, record in zip(compiled, records, strict=True):
-        terms += _pass_terms(frame, step, record, pixels)
+    for step, record in zip(frame.passes, records, strict=True):
+        terms += _pass_terms(frame, step, record, texels)
     return [term for term in terms if term.items]
 
 
-def _pass_terms(frame: Frame, step: Pass, record: PassRecord, pixels: int) -> list[Term]:
-    items = pixels if step.draws is Draws.PIXELS else record.fragments
-    terms = []
+def _pass_terms(frame: Frame, step: Pass, record: PassRecord, texels: int) -> list[Term]:
+    items = texels * record.runs if step.draws is Draws.PIXELS else record.fragments
+    terms = [
+        Term(step.name, name, "clear", texels * record.runs, frame.declared[name].texel.bytes)
+        for name in step.clears
+    ]
     for name in step.reads:
         terms.append(Term(step.name, name, "read", items, frame.declared[name].texel.bytes))
     for name, blend in step.writes.items():

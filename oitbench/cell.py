@@ -15,8 +15,9 @@ from oitbench.declare import Method
 from oitbench.effects import Effect, names
 from oitbench.errors import CapabilityError, OitbenchError, UsageError, unknown
 from oitbench.gl.device import Device
-from oitbench.gl.frame import Frame, Image, PassRecord, check_size
+from oitbench.gl.frame import Frame, Image, check_size
 from oitbench.gl.geometry import Geometry
+from oitbench.gl.steps import PassRecord
 from oitbench.scene import Scene
 from oitbench.store import CellKey, Record, image_path
 

@@ -50,6 +50,9 @@ class Blend:
     dual : bool
         Whether the shader has a second output `NAME_factor` for this target, which then must be the
         only one of its pass.
+    programmable : bool
+        Whether the shader itself combines: the output's name holds the target's value when
+        `gather` begins, and what it holds in the end is stored; see `PROGRAMMABLE`.
     """
 
     source: Factor
@@ -58,11 +61,14 @@ class Blend:
     source_alpha: Factor | None = None
     target_alpha: Factor | None = None
     dual: bool = False
+    programmable: bool = False
 
     @property
     def reads(self) -> bool:
         """Whether blending reads the target."""
-        return self.equation is not Equation.SUM or self.target is not Factor.ZERO
+        return (
+            self.programmable or self.equation is not Equation.SUM or self.target is not Factor.ZERO
+        )
 
 
 REPLACE = Blend(Factor.ONE, Factor.ZERO)
@@ -77,6 +83,16 @@ MODULATE = Blend(Factor.ZERO, Factor.SOURCE_COLOR)
 """target ← source·target, per channel"""
 COMPOSITE = Blend(Factor.ONE, Factor.SECOND_SOURCE_COLOR, dual=True)
 """target ← source + factor·target, per channel, by dual-source blending"""
+MINIMUM = Blend(Factor.ONE, Factor.ONE, Equation.MINIMUM)
+"""target ← min(source, target), per channel"""
+MAXIMUM = Blend(Factor.ONE, Factor.ONE, Equation.MAXIMUM)
+"""target ← max(source, target), per channel"""
+PROGRAMMABLE = Blend(Factor.ONE, Factor.ZERO, programmable=True)
+"""target ← what `gather` makes of it, one fragment of a pixel at a time.
+
+Done by framebuffer fetch, fragment-shader interlock, or a spin lock, whichever the driver offers;
+all targets of such a pass must be programmable. `Frame.mechanism` names the one that was used.
+"""
 
 
 @dataclass(frozen=True)
@@ -116,7 +132,7 @@ class Buffer:
 
     Each field is a storage block of its own, so that a driver's limit on one block (128 MiB on
     some) holds a field and not a record. The prelude gives `NAME_FIELD(i)`, `set_NAME_FIELD(i, v)`,
-    and for uint fields `exchange_`, `add_`, `min_` and `max_NAME_FIELD(i, v)`. A buffer of fragments
+    and for uint fields `exchange_`, `add_`, `min_` and `max_NAME_FIELD(i, v)`. One of fragments
     also gives `allocate_NAME()`: the index of a fresh record, or NONE when memory has run out (the
     engine then redoes the frame with enough).
 
@@ -180,6 +196,13 @@ class Pass:
     order : Order
     when : Effect
         Runs only if one of these effects runs; NONE for always.
+    depth : str, optional
+        A target of format depth32f that this pass tests (nearer passes) and writes, in place of
+        the opaque depth, which is otherwise tested and never written.
+    clears : tuple of str
+        Targets that are cleared just before this pass, besides at the start of the frame.
+    defines : mapping of str to int
+        Macros for this pass, so that one shader can serve several.
     """
 
     shader: str
@@ -189,11 +212,15 @@ class Pass:
     buffers: tuple[str, ...] = ()
     order: Order = Order.SUBMISSION
     when: Effect = Effect.NONE
+    depth: str | None = None
+    clears: tuple[str, ...] = ()
+    defines: Mapping[str, int] = field(default_factory=dict)
 
     @property
     def name(self) -> str:
-        """The shader's name without its ending."""
-        return self.shader.removesuffix(".glsl")
+        """The shader's name without its ending, and what it was defined to be."""
+        told = [f"{key.lower()}={value}" for key, value in self.defines.items()]
+        return " ".join([self.shader.removesuffix(".glsl"), *told])
 
 
 @dataclass(frozen=True)
@@ -207,7 +234,30 @@ class Interleaved:
     order: Order
 
 
-Step = Pass | Interleaved
+@dataclass(frozen=True)
+class Loop:
+    """Passes that are issued again and again; shaders see the round as the uniform `iteration`.
+
+    Parameters
+    ----------
+    passes : tuple of Pass
+    times : int
+        Rounds at most.
+    until_empty : str, optional
+        A pass by name: the loop ends after the first round in which it passed no sample.
+    swaps : tuple of (str, str)
+        Pairs of targets of one format that trade places after each round, so that a pass can read
+        what the round before wrote. After an even number of rounds they are back in place.
+    """
+
+    passes: tuple[Pass, ...]
+    times: int
+    until_empty: str | None = None
+    swaps: tuple[tuple[str, str], ...] = ()
+    order: Order = Order.SUBMISSION
+
+
+Step = Pass | Interleaved | Loop
 
 
 class Method:
@@ -253,6 +303,23 @@ class Method:
     def requires(self) -> tuple[str, ...]:
         """Capabilities of `oitbench.gl.device.CAPABILITIES` without which cells are skipped."""
         return ()
+
+    @property
+    def samples(self) -> int:
+        """Samples a pixel: 1, or 4 for a multisampled frame whose `color` is averaged at its end.
+
+        Targets then have that many samples, and passes over pixels run once a sample.
+        """
+        return 1
+
+    @property
+    def deepest(self) -> int | None:
+        """Fragments a pixel up to which llvmpipe renders the method right; None for any number.
+
+        It ends all loops of an invocation together after 65,535 steps, without a word. Deeper
+        frames are refused there and rendered elsewhere.
+        """
+        return None
 
     @property
     def targets(self) -> Mapping[str, Target]:

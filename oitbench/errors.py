@@ -23,7 +23,7 @@ class DeclarationError(OitbenchError):
 
 
 class CapabilityError(OitbenchError):
-    """This machine's OpenGL or Mitsuba lacks what was asked for; the cell is skipped."""
+    """The OpenGL or Mitsuba of this machine lacks what was asked for; the cell is skipped."""
 
 
 def unknown(kind: str, name: str, known: Iterable[str]) -> UsageError:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import sys
+import threading
 import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -219,7 +220,7 @@ def run(asked: Plan, report: Report = lambda cell, record: None) -> Outcome:
         for _ in range(asked.workers)
     ]
     try:
-        facts = _facts(asked, pool[0].ask({"verb": "hello"}, asked.timeout))
+        facts = _facts(asked, pool[0].ask({"verb": "hello"}, None))
         store.write_run(facts)
         todo = [cell for cell in asked.cells if asked.force or not _rendered(store, cell)]
         outcome.kept = len(asked.cells) - len(todo)
@@ -281,26 +282,41 @@ def _render_all(
     scenes: dict[str, list[Cell]] = {}
     for cell in todo:
         scenes.setdefault(cell.scene, []).append(cell)
-    finished: Queue[tuple[Cell, Message]] = Queue()
+    finished: Queue[tuple[Cell, Message] | BaseException] = Queue()
     free: Queue[WorkerProcess] = Queue()
     for worker in pool:
         free.put(worker)
+    stopped = threading.Event()
 
     def render_scene(cells: list[Cell]) -> None:
         worker = free.get()
-        for cell in cells:
-            finished.put((cell, _render(worker, cell, asked.timeout)))
-        free.put(worker)
+        try:
+            for cell in cells:
+                if not stopped.is_set():
+                    finished.put((cell, _render(worker, cell, asked.timeout)))
+        except BaseException as error:
+            finished.put(error)
+        finally:
+            free.put(worker)
 
     with ThreadPoolExecutor(len(pool)) as threads:
-        jobs = [threads.submit(render_scene, cells) for cells in scenes.values()]
-        for _ in todo:
-            cell, reply = finished.get()
-            store.append(reply["record"])
-            _add(outcome.spent, reply["spent"])
-            report(cell, reply["record"])
-        for job in jobs:
-            job.result()
+        for cells in scenes.values():
+            threads.submit(render_scene, cells)
+        try:
+            for _ in todo:
+                item = finished.get()
+                if isinstance(item, BaseException):
+                    raise item
+                cell, reply = item
+                store.append(reply["record"])
+                _add(outcome.spent, reply["spent"])
+                report(cell, reply["record"])
+        except BaseException:
+            # Who stops a run, or a bug that ends it, must not wait for cells that nobody wants.
+            stopped.set()
+            for worker in pool:
+                worker.stop()
+            raise
 
 
 def _render(worker: WorkerProcess, cell: Cell, timeout: float | None) -> Message:

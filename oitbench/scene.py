@@ -260,7 +260,7 @@ class Camera:
 
 @dataclass(frozen=True)
 class DirectionalLight:
-    """Light from infinity. `direction` is the way it travels; `irradiance` is on a facing surface."""
+    """Light from infinity: the direction it travels, and its irradiance on a facing surface."""
 
     direction: RGB
     irradiance: RGB = WHITE

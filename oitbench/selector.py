@@ -50,7 +50,7 @@ class Parameter:
         return self.check(owner, name, value)
 
     def check(self, owner: str, name: str, value: Value) -> Value:
-        """Return `value` in the parameter's type, or raise `UsageError` that says what is allowed."""
+        """Return `value` in the parameter's type; raise `UsageError` if it is not allowed."""
         kind = type(self.default)
         if kind is float and isinstance(value, int) and not isinstance(value, bool):
             value = float(value)

@@ -24,9 +24,10 @@ from oitbench.errors import CapabilityError, OitbenchError
 from oitbench.store import sanitize
 
 Message = dict[str, Any]
+_START_SECONDS = 120.0
 
 
-class WorkerError(Exception):
+class WorkerError(OitbenchError):
     """The worker died or took too long; `timeout` tells which."""
 
     def __init__(self, reason: str, timeout: bool) -> None:
@@ -68,6 +69,11 @@ class WorkerProcess:
         """
         if self._process is None:
             self._start()
+            # A process that starts late must not eat up the time of its first cell.
+            self._exchange({"verb": "hello"}, _START_SECONDS)
+        return self._exchange(message, timeout)
+
+    def _exchange(self, message: Message, timeout: float | None) -> Message:
         assert self._process is not None
         assert self._process.stdin is not None
         try:

@@ -21,6 +21,7 @@ from oitbench.collection import Collection
 from oitbench.gl.device import Device
 from oitbench.gl.frame import Frame
 from oitbench.gl.geometry import Geometry
+from oitbench.gl.steps import PassRecord
 from oitbench.scene import Camera, Material, Mesh, Object, Scene
 
 SIZE = (512, 512)
@@ -39,9 +40,7 @@ def overlapping_quads(count: int = 32, seed: int = 1) -> Scene:
         center = generator.uniform(-0.36, 0.36, 2) * distance
         corners = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)]) * half + center
         positions = np.concatenate([corners, np.full((4, 1), -distance)], axis=1)
-        mesh = Mesh(
-            positions.astype(np.float32), np.array([(0, 1, 2), (0, 2, 3)], dtype=np.uint32)
-        )
+        mesh = Mesh(positions.astype(np.float32), np.array([(0, 1, 2), (0, 2, 3)], dtype=np.uint32))
         red, green, blue = (float(value) for value in generator.uniform(0, 1, 3))
         alpha = float(generator.uniform(0.1, 0.9))
         objects.append(Object(f"quad {index}", mesh, Material(alpha, emission=(red, green, blue))))
@@ -96,11 +95,9 @@ def main(names: list[str]) -> None:
 
 def passes_of(frame: Frame) -> list[str]:
     """Return one line a pass: where the time of a frame goes, each pass waited for."""
-    from oitbench.gl.frame import PassRecord
-
     records: list[PassRecord] = []
     frame.issue(records)
-    return [f"{record.name:20} {record.milliseconds or 0:8.2f} ms" for record in records]
+    return [f"{record.name:20} {record.milliseconds:8.2f} ms" for record in records]
 
 
 if __name__ == "__main__":

@@ -13,11 +13,12 @@ import numpy as np
 import numpy.typing as npt
 
 from oitbench.collection import Collection
-from oitbench.declare import Draws, Interleaved, Method, Pass, Target
+from oitbench.declare import Draws, Method, Pass, Target
 from oitbench.effects import Effect
 from oitbench.gl.device import Device
 from oitbench.gl.frame import Frame, Image
 from oitbench.gl.geometry import Geometry
+from oitbench.gl.steps import passes_of
 from oitbench.scene import RGB, Camera, FragmentLists, Scene
 
 Array64 = npt.NDArray[np.float64]
@@ -171,7 +172,7 @@ def rounding(chosen: Method, layers: int, magnitude: float) -> float:
 
 def all_passes(chosen: Method) -> Iterator[Pass]:
     for item in chosen.passes:
-        yield from item.passes if isinstance(item, Interleaved) else (item,)
+        yield from passes_of(item)
 
 
 def write_method(folder: Path, body: str, **shaders: str) -> Path:

@@ -116,10 +116,7 @@ def test_an_uncalled_effect_leaves_nothing_behind(device: Device, optional: Meth
     with opened(device, lists, optional, effects=Effect.COVERAGE) as frame:
         frame.render()
         assert {name for name, _ in frame.resources.memory()} == {"sum"}
-        assert [[p.step.name for p in passes] for _, passes in frame.steps] == [
-            ["gather"],
-            ["plain"],
-        ]
+        assert [step.name for step in frame.passes] == ["gather", "plain"]
         sources = " ".join(fragment for _, fragment in device.programs)
         assert "DIFFUSION 1" not in sources
         assert "out float spread" not in sources
@@ -131,8 +128,7 @@ def test_a_called_effect_brings_all_that_it_needs(device: Device, optional: Meth
     with opened(device, lists, optional, effects=Effect.DIFFUSION) as frame:
         frame.render()
         assert {name for name, _ in frame.resources.memory()} == {"sum", "spread", "marks"}
-        names_of = [p.step.name for _, passes in frame.steps for p in passes]
-        assert names_of == ["gather", "blur", "plain", "diffuse"]
+        assert [step.name for step in frame.passes] == ["gather", "blur", "plain", "diffuse"]
         sources = " ".join(fragment for _, fragment in device.programs)
         assert "#define EFFECT_DIFFUSION 1" in sources
         assert (frame.read("spread") == 1).all()

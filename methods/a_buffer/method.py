@@ -11,9 +11,9 @@ Parameters
 node : what a fragment's record holds. `precise` has 32 bytes: next, depth, and alpha L and tau as
     three floats each. `compact` has 12 bytes: next, depth, and alpha L with net opacity in RGBA8
     (AT section 4.2); it clips radiance above one and sees grey transmission only.
-resolve : `sorted` composites the nearest records first (AT eq. 3), a batch at a time where there
-    are more than fit in registers, so no length is too long. `iterative` multiplies the visibility
-    of each record over all nearer ones (AT eq. 2): no local array, quadratic in list reads.
+resolve : `sorted` composites the nearest records first (AT eq. 3); lists that are too long for
+    local arrays are merge-sorted in their links. `iterative` multiplies the visibility of each
+    record over all nearer ones (AT eq. 2): no local array, quadratic in list reads.
 
 Memory 4 B/pixel + 12 (or 32) B/fragment. Records come from one counter for each screen tile of
 64 x 64 pixels: a single counter is contended by every fragment of the frame. When a tile's share
@@ -34,6 +34,7 @@ from oitbench import (
     Draws,
     Effect,
     Items,
+    Loop,
     Method,
     Parameter,
     Pass,
@@ -41,6 +42,7 @@ from oitbench import (
     Target,
 )
 
+_ROUNDS = 1 << 16
 _LINK = {"next": "uint", "depth": "float"}
 _NODES = {
     "precise": {**_LINK, "front": "vec4", "back": "vec2"},
@@ -69,6 +71,11 @@ class ABuffer(Method):
         return Effect.COVERAGE | (Effect.COLORED_TRANSMISSION if colored else Effect.NONE)
 
     @property
+    def deepest(self) -> int:
+        # n log2 n steps of merging, or a chunk of 32 against all n.
+        return 4000 if self.text("resolve") == "sorted" else 1900
+
+    @property
     def targets(self) -> Mapping[str, Target]:
         return {"color": Target("rgba32f" if self.text("node") == "precise" else "rgba16f")}
 
@@ -82,12 +89,10 @@ class ABuffer(Method):
     @property
     def passes(self) -> tuple[Step, ...]:
         lists = ("heads", "nodes")
+        shader = f"resolve_{self.text('resolve')}.glsl"
+        resolve = Pass(shader, Draws.PIXELS, writes={"color": COMPOSITE}, buffers=lists)
+        loop = Loop((resolve,), times=_ROUNDS, until_empty=resolve.name)
         return (
             Pass("capture.glsl", Draws.FRAGMENTS, buffers=lists),
-            Pass(
-                f"resolve_{self.text('resolve')}.glsl",
-                Draws.PIXELS,
-                writes={"color": COMPOSITE},
-                buffers=lists,
-            ),
+            resolve if self.text("resolve") == "sorted" else loop,
         )

@@ -1,13 +1,24 @@
-// Visibility of each layer as the product over all nearer ones (AT eq. 2).
+// Visibility of each layer as the product over all nearer ones (AT eq. 2), CHUNK layers a round:
+// a software renderer limits how many steps the loops of one invocation may take.
 #include "node.glsl"
+
+const uint CHUNK = 32u;
 
 void resolve() {
     uint head = heads_first(pixel_index());
+    uint node = head;
+    for (uint i = 0u; i < iteration * CHUNK && node != NONE; ++i) {
+        node = nodes_next(node);
+    }
+    if (iteration > 0u && node == NONE) {
+        discard;
+    }
     vec3 sum = vec3(0.0);
     vec3 total = vec3(1.0);
-    for (uint node = head; node != NONE; node = nodes_next(node)) {
+    for (uint i = 0u; i < CHUNK && node != NONE; ++i) {
         Layer layer = load_layer(node);
         vec3 visible = vec3(1.0);
+        total = vec3(1.0);
         bool seen_self = false;
         for (uint other = head; other != NONE; other = nodes_next(other)) {
             Layer front = load_layer(other);
@@ -16,10 +27,12 @@ void resolve() {
             bool hides = equal ? (other != node && !seen_self) : nearer(front, layer);
             seen_self = seen_self || other == node;
             visible *= hides ? layer_factor(front) : vec3(1.0);
+            total *= layer_factor(front);
         }
         sum += visible * layer_color(layer);
-        total *= layer_factor(layer);
+        node = nodes_next(node);
     }
+    // The background is attenuated once; later rounds only add.
     color = vec4(sum, 1.0);
-    color_factor = vec4(total, 0.0);
+    color_factor = vec4(iteration == 0u ? total : vec3(1.0), 0.0);
 }

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import time
 
-import moderngl
 import numpy as np
 import numpy.typing as npt
 
@@ -78,6 +77,7 @@ class Frame:
         self.effects, self.samples = effects, method.samples
         self.mechanism = self._mechanism(mechanism)
         self.complexity = count_fragments(device, geometry, size)
+        self._check_depth()
         targets = {k: t for k, t in method.targets.items() if runs(t.when, effects)}
         color = targets.pop("color", Target("rgba16f"))
         if self.mechanism == "spin lock":
@@ -114,6 +114,14 @@ class Frame:
         }
 
     # -- preparation ---------------------------------------------------------------------------
+
+    def _check_depth(self) -> None:
+        deepest, found = self.method.deepest, int(self.complexity.max())
+        if deepest is not None and self.device.limits_loops and found > deepest:
+            raise CapabilityError(
+                f"{self.method.label}: {found} fragments at one pixel; {self.device.renderer}"
+                f" cuts its loops short beyond {deepest}"
+            )
 
     def _mechanism(self, asked: str | None) -> str | None:
         programmable = any(

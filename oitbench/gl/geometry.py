@@ -97,7 +97,7 @@ class Geometry:
             raise SceneError(f"scene {scene.name}: fragment lists cannot be mixed with objects")
         if scene.lights or scene.medium is not None:
             raise SceneError(
-                f"scene {scene.name}: lights and media are not rendered; bake the radiance into emission"
+                f"scene {scene.name}: lights and media are not rendered; bake them into emission"
             )
         self.scene = scene
         self.textures: dict[str, moderngl.TextureArray] = {}
@@ -247,6 +247,6 @@ def view_block(camera: Camera, size: tuple[int, int], transmittance: bool) -> by
             np.array(
                 [near, far, focal * height / 2, 0.0 if transmittance else 1.0], dtype=np.float32
             ).tobytes(),
-            np.array([width, height, *tiles], dtype=np.uint32).tobytes(),
+            np.array([width, height, *tiles, 0, 0, 0, 0], dtype=np.uint32).tobytes(),
         )
     )

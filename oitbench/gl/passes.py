@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 import moderngl
@@ -10,6 +11,7 @@ import moderngl
 from oitbench.declare import Buffer, Draws, Method, Pass, Target
 from oitbench.effects import Effect
 from oitbench.errors import DeclarationError
+from oitbench.formats import Format
 from oitbench.gl import prelude
 from oitbench.gl.device import Device
 from oitbench.gl.geometry import VERTEX, VERTEX_FORMAT, Geometry
@@ -17,8 +19,41 @@ from oitbench.gl.prelude import Bindings
 from oitbench.gl.source import Source
 
 
+@dataclass(frozen=True)
+class Blueprint:
+    """What all passes of one frame are compiled from.
+
+    Parameters
+    ----------
+    folder : Path, optional
+        Where the method's shaders are; None for the engine's own passes.
+    declared : mapping of str to Target
+        All targets that exist, the frame's own included.
+    buffers : mapping of str to Buffer
+    bindings : Bindings
+    samples : int
+        Samples a pixel.
+    mechanism : str
+        How programmable blending is done.
+    """
+
+    device: Device
+    geometry: Geometry
+    method: Method
+    folder: Path | None
+    effects: Effect
+    declared: Mapping[str, Target]
+    buffers: Mapping[str, Buffer]
+    bindings: Bindings
+    samples: int = 1
+    mechanism: str = prelude.FETCH
+
+
 class CompiledPass:
-    """A pass that can be drawn. All of its state is set by `begin`; none is trusted to be left over."""
+    """A pass that can be drawn. `begin` sets all of its state; none is trusted to be left over.
+
+    `clears` are the framebuffer, format and value of each target to clear just before.
+    """
 
     def __init__(
         self,
@@ -27,12 +62,14 @@ class CompiledPass:
         program: moderngl.Program,
         framebuffer: moderngl.Framebuffer,
         samplers: Mapping[str, moderngl.Texture | moderngl.TextureArray],
+        images: Sequence[moderngl.Texture],
         vertices: moderngl.Buffer,
         depth_writes: bool,
     ) -> None:
         self.device, self.step, self.program = device, step, program
         self.framebuffer, self.samplers, self.vertices = framebuffer, samplers, vertices
-        self.depth_writes = depth_writes
+        self.images, self.depth_writes = images, depth_writes
+        self.clears: list[tuple[moderngl.Framebuffer, Format, tuple[float, ...]]] = []
         self._arrays: dict[int, moderngl.VertexArray] = {}
 
     def begin(self, view: moderngl.Buffer, scissor: tuple[int, int, int, int]) -> None:
@@ -50,8 +87,10 @@ class CompiledPass:
             device.set_blend(slot, blend)
         for unit, texture in enumerate(self.samplers.values()):
             texture.use(unit)
+        for unit, image in enumerate(self.images):
+            image.bind_to_image(unit, read=True, write=True)
         view.bind_to_uniform_block(0)
-        if self.step.buffers:
+        if self.step.buffers or self.images:
             context.memory_barrier()
 
     def draw(self, indices: moderngl.Buffer, first: int, count: int) -> None:
@@ -84,68 +123,104 @@ class CompiledPass:
         for array in self._arrays.values():
             array.release()
         self.framebuffer.release()
+        for framebuffer, _, _ in self.clears:
+            framebuffer.release()
 
 
 def compile_pass(
-    device: Device,
+    blueprint: Blueprint,
     step: Pass,
-    folder: Path | None,
-    method: Method,
-    effects: Effect,
-    geometry: Geometry,
-    declared: Mapping[str, Target],
     textures: Mapping[str, moderngl.Texture],
-    buffers: Mapping[str, Buffer],
-    bindings: Bindings,
     depth_writes: bool = False,
 ) -> CompiledPass:
     """Assemble the shaders of `step`, compile them, and gather the state of its draws.
+
+    Parameters
+    ----------
+    blueprint : Blueprint
+    step : Pass
+    textures : mapping of str to moderngl.Texture
+        What each target's name stands for in this pass.
+    depth_writes : bool
+        Whether the opaque depth is written: for the opaque picture itself.
 
     Raises
     ------
     DeclarationError
         A name is not declared, or a shader does not compile; the message gives file and line.
     """
-    fragment = Source(folder)
-    fragment.add_text("prelude (macros)", prelude.macros(method, effects))
-    fragment.add_file("view.glsl")
-    declarations = (
-        prelude.outputs(step, declared),
-        prelude.reads(step, declared),
-        prelude.accessors(step, buffers, bindings),
-    )
-    fragment.add_text("prelude (declarations)", "\n".join(declarations))
+    device, geometry = blueprint.device, blueprint.geometry
+    vertex, fragment = _sources(blueprint, step)
+    program = _program(device, vertex, fragment)
     samplers: dict[str, moderngl.Texture | moderngl.TextureArray] = {
         f"{name}_texture": textures[name] for name in step.reads
     }
+    if step.draws is Draws.FRAGMENTS:
+        samplers.update(geometry.textures)
+    used = {name: item for name, item in samplers.items() if name in program}
+    for unit, name in enumerate(used):
+        # A program is shared by frames, but its samplers always come in this order.
+        program[name] = unit
+    programmable = any(blend.programmable for blend in step.writes.values())
+    images: list[moderngl.Texture] = []
+    if programmable and blueprint.mechanism != prelude.FETCH:
+        images = [textures[name] for name in step.writes]
+        if blueprint.mechanism == prelude.SPIN_LOCK:
+            images.append(textures["lock"])
+    colors = [] if images else [textures[name] for name in step.writes]
+    depth = None
+    if step.draws is Draws.FRAGMENTS:
+        depth = textures[step.depth or "opaque_depth"]
+    framebuffer = device.context.framebuffer(colors, depth)
+    writes_depth = depth_writes or step.depth is not None
+    compiled = CompiledPass(
+        device, step, program, framebuffer, used, images, geometry.vertices, writes_depth
+    )
+    for name in step.clears:
+        target = blueprint.declared[name]
+        place = attach(device, textures[name], target.texel)
+        compiled.clears.append((place, target.texel, target.clear))
+    return compiled
+
+
+def attach(device: Device, texture: moderngl.Texture, entry: Format) -> moderngl.Framebuffer:
+    """Return a framebuffer of one texture, be it of color or of depth."""
+    if entry.depth:
+        return device.context.framebuffer([], texture)
+    return device.context.framebuffer([texture])
+
+
+def _sources(blueprint: Blueprint, step: Pass) -> tuple[Source, Source]:
+    """Return the vertex and the fragment shader of `step`."""
+    samples, mechanism = blueprint.samples, blueprint.mechanism
+    extensions = prelude.extensions(step, mechanism, samples)
+    fragment = Source(blueprint.folder, extensions=extensions)
+    fragment.add_text("prelude (macros)", prelude.macros(blueprint.method, blueprint.effects))
+    fragment.add_text("prelude (pass)", prelude.defines(step))
+    fragment.add_file("view.glsl")
+    declarations = (
+        prelude.outputs(step, blueprint.declared, mechanism),
+        prelude.reads(step, blueprint.declared, samples),
+        prelude.accessors(step, blueprint.buffers, blueprint.bindings, samples),
+    )
+    fragment.add_text("prelude (declarations)", "\n".join(declarations))
     vertex = Source(None)
     if step.draws is Draws.FRAGMENTS:
+        geometry = blueprint.geometry
         fragment.add_text("prelude (scene)", geometry.macros)
         fragment.add_file("fragment.glsl")
         fragment.add_file(step.shader)
+        fragment.add_text("prelude (deliver)", prelude.deliver(step, mechanism))
         fragment.add_file("lists.frag.glsl" if geometry.scene.lists else "surface.frag.glsl")
         vertex.add_text("prelude (scene)", geometry.macros)
         vertex.add_file("view.glsl")
         vertex.add_file("surface.vert.glsl")
-        samplers.update(geometry.textures)
     else:
         fragment.add_file(step.shader)
         # Reads of buffers give helper lanes zero, and a list of them would never end.
         fragment.add_text("main", "void main() { if (!gl_HelperInvocation) { resolve(); } }")
         vertex.add_file("screen.vert.glsl")
-    program = _program(device, vertex, fragment)
-    used = {name: item for name, item in samplers.items() if name in program}
-    for unit, name in enumerate(used):
-        # A program is shared by frames, but its samplers always come in this order.
-        program[name] = unit
-    colors = [textures[name] for name in step.writes]
-    depth = textures["opaque_depth"] if step.draws is Draws.FRAGMENTS else None
-    framebuffer = (
-        device.context.framebuffer(colors, depth)
-        if colors or depth is not None
-        else device.context.simple_framebuffer(textures["color"].size)
-    )
-    return CompiledPass(device, step, program, framebuffer, used, geometry.vertices, depth_writes)
+    return vertex, fragment
 
 
 def _program(device: Device, vertex: Source, fragment: Source) -> moderngl.Program:

@@ -14,6 +14,8 @@ from oitbench.errors import DeclarationError, unknown
 
 TILE = 64
 """Side in pixels of the tiles in which buffers of fragments are allocated and accesses counted."""
+FETCH, INTERLOCK, SPIN_LOCK = "framebuffer fetch", "interlock", "spin lock"
+"""How programmable blending is done; `Device.mechanism` chooses."""
 ALLOCATOR_STRIDE = 16
 """Words from one tile's allocator to the next: a cache line, so that tiles do not contend."""
 
@@ -40,7 +42,7 @@ class Bindings:
 
 
 def bind(buffers: Mapping[str, Buffer], counted: bool) -> Bindings:
-    """Number the storage blocks of a method's allocated `buffers`."""
+    """Give each storage block of the allocated `buffers` its number."""
     pairs = [(name, field) for name, buffer in buffers.items() for field in buffer.fields]
     listed = [name for name, buffer in buffers.items() if buffer.items is Items.FRAGMENTS]
     slots = [(*pair, kind) for pair in pairs for kind in ("read", "write", "atomic")]
@@ -70,8 +72,21 @@ def macros(method: Method, effects: Effect) -> str:
     return "\n".join(lines)
 
 
-def outputs(step: Pass, targets: Mapping[str, Target]) -> str:
-    """Return the fragment shader's outputs, one a written target."""
+def defines(step: Pass) -> str:
+    """Return the pass's own macros, and what the scene's shader must know of the pass."""
+    lines = [f"#define {name} {value}" for name, value in step.defines.items()]
+    if step.depth is not None:
+        lines.append("#define OWN_DEPTH 1")
+    return "\n".join(lines)
+
+
+def outputs(step: Pass, targets: Mapping[str, Target], mechanism: str = FETCH) -> str:
+    """Return the fragment shader's outputs, one a written target.
+
+    `mechanism` is how programmable blending is done, where the pass asks for it.
+    """
+    if any(blend.programmable for blend in step.writes.values()):
+        return _programmable(step, targets, mechanism)
     lines = []
     for slot, (name, blend) in enumerate(step.writes.items()):
         kind = _target(step, name, targets).texel.glsl
@@ -92,19 +107,86 @@ def _output(step: Pass, slot: int, name: str, kind: str, blend: Blend) -> list[s
     ]
 
 
-def reads(step: Pass, targets: Mapping[str, Target]) -> str:
-    """Return `read_NAME()` for each target that the pass reads."""
+def _programmable(step: Pass, targets: Mapping[str, Target], mechanism: str) -> str:
+    if not all(blend.programmable for blend in step.writes.values()):
+        raise DeclarationError(f"{step.shader}: all targets or none must blend programmably")
+    kinds = {name: _target(step, name, targets).texel for name in step.writes}
+    if mechanism == FETCH:
+        return "\n".join(
+            f"layout(location = {slot}) inout {entry.glsl} {name};"
+            for slot, (name, entry) in enumerate(kinds.items())
+        )
+    lines, loads, stores = [], [], []
+    for slot, (name, entry) in enumerate(kinds.items()):
+        vector = "uvec4" if entry.integer else "vec4"
+        swizzle = {1: ".r", 2: ".rg"}.get(entry.components, "")
+        filled = {1: f"{vector}({name})", 2: f"{vector}({name}, {name})"}.get(
+            entry.components, name
+        )
+        lines += [
+            f"layout({entry.name}, binding = {slot}) coherent uniform"
+            f" {'u' if entry.integer else ''}image2D {name}_image;",
+            f"{entry.glsl} {name};",
+        ]
+        loads.append(f"{name} = imageLoad({name}_image, pixel){swizzle};")
+        stores.append(f"imageStore({name}_image, pixel, {filled});")
+    lines += [
+        "layout(early_fragment_tests) in;",
+        f"layout(r32ui, binding = {len(kinds)}) coherent uniform uimage2D lock_image;"
+        if mechanism == SPIN_LOCK
+        else "layout(pixel_interlock_ordered) in;",
+        f"#define LOAD_TARGETS(pixel) {' '.join(loads)}",
+        f"#define STORE_TARGETS(pixel) {' '.join(stores)}",
+    ]
+    return "\n".join(lines)
+
+
+def deliver(step: Pass, mechanism: str) -> str:
+    """Return the function through which the scene's shader hands a fragment to `gather`."""
+    if mechanism == FETCH or not any(b.programmable for b in step.writes.values()):
+        return "void deliver(Fragment fragment) { gather(fragment); }"
+    work = "LOAD_TARGETS(pixel) gather(fragment); STORE_TARGETS(pixel)"
+    if mechanism == INTERLOCK:
+        return (
+            "void deliver(Fragment fragment) { ivec2 pixel = ivec2(gl_FragCoord.xy);"
+            f" beginInvocationInterlockARB(); {work} endInvocationInterlockARB(); }}"
+        )
+    return (
+        "void deliver(Fragment fragment) { ivec2 pixel = ivec2(gl_FragCoord.xy);"
+        " bool waiting = !gl_HelperInvocation; while (waiting) {"
+        " if (imageAtomicCompSwap(lock_image, pixel, 0u, 1u) == 0u) {"
+        f" {work} memoryBarrier(); imageAtomicExchange(lock_image, pixel, 0u);"
+        " waiting = false; } } }"
+    )
+
+
+def extensions(step: Pass, mechanism: str, samples: int) -> tuple[str, ...]:
+    """Return the GLSL extensions that the pass needs."""
+    names: list[str] = []
+    if any(blend.programmable for blend in step.writes.values()):
+        names += {
+            FETCH: ["GL_EXT_shader_framebuffer_fetch"],
+            INTERLOCK: ["GL_ARB_fragment_shader_interlock"],
+        }.get(mechanism, [])
+    if samples > 1 and step.draws is Draws.FRAGMENTS and step.buffers:
+        names.append("GL_ARB_post_depth_coverage")
+    return tuple(names)
+
+
+def reads(step: Pass, targets: Mapping[str, Target], samples: int = 1) -> str:
+    """Return `read_NAME()` for each target that the pass reads; of several samples, its own."""
     lines = []
     for name in step.reads:
         entry = _target(step, name, targets).texel
         if name in step.writes:
             raise DeclarationError(f"{step.shader}: reads and writes '{name}' in one pass")
         swizzle = {1: ".r", 2: ".rg"}.get(entry.components, "")
-        sampler = "usampler2D" if entry.integer else "sampler2D"
+        sampler = f"{'u' if entry.integer else ''}sampler2D{'MS' if samples > 1 else ''}"
+        which = "gl_SampleID" if samples > 1 else "0"
         lines += [
             f"uniform {sampler} {name}_texture;",
             f"{entry.glsl} read_{name}(ivec2 pixel) {{"
-            f" return texelFetch({name}_texture, pixel, 0){swizzle}; }}",
+            f" return texelFetch({name}_texture, pixel, {which}){swizzle}; }}",
             f"{entry.glsl} read_{name}() {{ return read_{name}(ivec2(gl_FragCoord.xy)); }}",
         ]
     return "\n".join(lines)
@@ -116,23 +198,33 @@ def _target(step: Pass, name: str, targets: Mapping[str, Target]) -> Target:
     return targets[name]
 
 
-def accessors(step: Pass, buffers: Mapping[str, Buffer], bindings: Bindings) -> str:
+def accessors(
+    step: Pass, buffers: Mapping[str, Buffer], bindings: Bindings, samples: int = 1
+) -> str:
     """Return the functions through which the pass touches its buffers."""
     lines: list[str] = []
     if step.buffers:
         lines += [
             f"#define TILE {TILE}u",
             "uint tile_index() {"
-            " uvec2 tile = uvec2(gl_FragCoord.xy) / TILE; return tile.y * frame_tiles.x + tile.x; }",
+            " uvec2 tile = uvec2(gl_FragCoord.xy) / TILE;"
+            " return tile.y * frame_tiles.x + tile.x; }",
             "uint pixel_index() { uvec2 pixel = uvec2(gl_FragCoord.xy);"
             " return pixel.y * frame_size.x + pixel.x; }",
         ]
         if step.draws is Draws.FRAGMENTS:
             # Otherwise a hidden fragment's side effects would happen before its depth test.
-            lines.append("layout(early_fragment_tests) in;")
+            early = "post_depth_coverage" if samples > 1 else "early_fragment_tests"
+            lines.append(f"layout({early}) in;")
+            covered = "uint(gl_SampleMaskIn[0]) & 0xFu" if samples > 1 else "0xFu"
+            lines.append(f"uint coverage_mask() {{ return {covered}; }}")
+        else:
+            bit = "1u << uint(gl_SampleID)" if samples > 1 else "0xFu"
+            lines.append(f"uint coverage_mask() {{ return {bit}; }}")
     if step.buffers and bindings.counters is not None:
         lines.append(
-            f"layout(std430, binding = {bindings.counters}) buffer CounterBlock {{ uint counters[]; }};"
+            f"layout(std430, binding = {bindings.counters})"
+            " buffer CounterBlock { uint counters[]; };"
         )
     for name in step.buffers:
         if name not in buffers:
@@ -171,7 +263,8 @@ def _field(name: str, field: str, kind: str, bindings: Bindings) -> list[str]:
             ("max", "atomicMax"),
         ):
             lines.append(
-                f"uint {verb}_{full}(uint i, uint value) {{ {atomic}return {call}({data}[i], value); }}"
+                f"uint {verb}_{full}(uint i, uint value)"
+                f" {{ {atomic}return {call}({data}[i], value); }}"
             )
     return lines
 

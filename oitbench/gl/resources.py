@@ -153,7 +153,7 @@ class Resources:
             self._blocks[name, field] = context.buffer(reserve=size)
 
     def reserve(self, demand: Counts) -> None:
-        """Make room for `demand` records a tile, shape (rows, columns), in as few regions as fit."""
+        """Make room for `demand` records a tile, (rows, columns), in as few regions as fit."""
         if not self.listed:
             return
         widest = max(

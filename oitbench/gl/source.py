@@ -30,6 +30,7 @@ class Source:
     folder: Path | None
     lines: list[str] = field(default_factory=list)
     places: list[tuple[str, int]] = field(default_factory=list)
+    extensions: tuple[str, ...] = ()
 
     def add_text(self, name: str, text: str) -> None:
         """Append generated `text`, called `name` in messages."""
@@ -63,15 +64,22 @@ class Source:
     @property
     def text(self) -> str:
         """The whole source, from `#version` on."""
-        return "\n".join([_VERSION, *self.lines, ""])
+        return "\n".join([*self._head, *self.lines, ""])
+
+    @property
+    def _head(self) -> list[str]:
+        return [_VERSION, *(f"#extension {name} : require" for name in self.extensions)]
 
     def explain(self, log: str) -> str:
         """Turn a compiler's log into one line that begins with the culprit's file and line."""
         for pattern in _MESSAGES:
             match = pattern.search(log)
-            # The first line of the text is `#version`, and drivers count from one.
-            if match is not None and 0 <= int(match["line"]) - 2 < len(self.places):
-                name, line = self.places[int(match["line"]) - 2]
+            if match is None:
+                continue
+            # Drivers count lines from one, and the head comes before any file.
+            index = int(match["line"]) - 1 - len(self._head)
+            if 0 <= index < len(self.places):
+                name, line = self.places[index]
                 return f"{name}:{line}: {match['text'].strip()}"
         kept = [line for line in log.splitlines() if line.strip(" =-")]
         return " ".join([self.places[-1][0] + ":", *kept[:6]])

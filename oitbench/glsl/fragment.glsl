@@ -5,6 +5,7 @@ struct Fragment {
     vec3 transmission;   // t
     float z;             // linear view distance, m
     float depth;         // window depth in [0, 1]
+    vec3 position;       // world space, m; a list has pixels and view distance
 };
 
 // RGB transmittance of the layer: tau = 1 - alpha + alpha t.

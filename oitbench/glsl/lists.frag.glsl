@@ -18,5 +18,9 @@ void main() {
     fragment.z = transmission.a;
     // Written so that an infinite far plane gives 1 - near/z.
     fragment.depth = (1.0 - near_plane / fragment.z) / (1.0 - near_plane / far_plane);
-    gather(fragment);
+    fragment.position = vec3(gl_FragCoord.xy, fragment.z);
+#ifdef OWN_DEPTH
+    gl_FragDepth = fragment.depth;
+#endif
+    deliver(fragment);
 }

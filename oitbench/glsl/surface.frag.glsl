@@ -2,6 +2,7 @@
 in vec2 v_uv;
 in vec3 v_radiance;
 in float v_z;
+in vec3 v_position;
 flat in vec3 v_transmission;
 flat in float v_coverage;
 flat in float v_layer;
@@ -31,6 +32,7 @@ void main() {
     fragment.transmission = v_transmission;
     fragment.z = v_z;
     fragment.depth = gl_FragCoord.z;
+    fragment.position = v_position;
 #ifdef TEXTURED
     // Outside the branch: derivatives need the whole quad.
     vec4 texel = filtered_texel(v_uv, max(v_layer, 0.0));
@@ -42,5 +44,5 @@ void main() {
         fragment.coverage *= texel.a;
     }
 #endif
-    gather(fragment);
+    deliver(fragment);
 }

@@ -9,6 +9,7 @@ in float in_layer;
 out vec2 v_uv;
 out vec3 v_radiance;
 out float v_z;
+out vec3 v_position;
 flat out vec3 v_transmission;
 flat out float v_coverage;
 flat out float v_layer;
@@ -23,6 +24,7 @@ void main() {
     gl_Position = world_to_clip * vec4(in_position, 1.0);
     v_z = -(world_to_camera * vec4(in_position, 1.0)).z;
 #endif
+    v_position = in_position;
     v_uv = in_uv;
     v_radiance = in_radiance;
     v_transmission = in_transmission;

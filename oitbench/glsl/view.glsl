@@ -8,6 +8,7 @@ layout(std140, binding = 0) uniform View {
     float radiance_gain;   // 1, or 0 to see transmittance alone
     uvec2 frame_size;      // pixels
     uvec2 frame_tiles;     // tiles of TILE x TILE pixels
+    uint iteration;        // round of the loop that the pass stands in, from 0
 };
 
 const uint NONE = 0xFFFFFFFFu;

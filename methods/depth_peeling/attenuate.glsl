@@ -1,0 +1,4 @@
+// The peeled layer attenuates all layers after it.
+void resolve() {
+    through = read_factor();
+}

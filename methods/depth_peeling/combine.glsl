@@ -1,0 +1,5 @@
+// What was gathered, over the background seen through all of it.
+void resolve() {
+    color = vec4(read_sum().rgb, 1.0);
+    color_factor = vec4(read_through().rgb, 0.0);
+}

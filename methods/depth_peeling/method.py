@@ -1,0 +1,81 @@
+"""Depth peeling: one geometry pass a layer, each keeping the nearest fragment not yet peeled.
+
+    sum <- sum + T alpha L,    T <- T tau,    C = sum + T C0
+
+A fragment is peeled when its window depth lies beyond the last peeled depth of its pixel, compared
+bit for bit. Peeling ends after the first pass that passes no sample, or after `layers` passes; then
+the result is that of the first layers alone, exactly.
+
+Parameters: `layers`, the most layers to peel, 0 for all.
+
+Source: Everitt 2001, "Interactive Order-Independent Transparency", NVIDIA.
+
+Known failures: of fragments at exactly equal depth one is kept and the others are lost. The number
+of geometry passes is the depth complexity plus one.
+"""
+
+from collections.abc import Mapping
+
+from oitbench import (
+    ADD,
+    COMPOSITE,
+    MODULATE,
+    REPLACE,
+    Draws,
+    Effect,
+    Loop,
+    Method,
+    Parameter,
+    Pass,
+    Step,
+    Target,
+)
+
+_ALL = 1 << 16
+
+
+class DepthPeeling(Method):
+    expresses = Effect.COVERAGE | Effect.COLORED_TRANSMISSION
+    parameters = {"layers": Parameter(0, low=0, help="most layers to peel, 0 for all")}
+    holds = frozenset({"U1", "U2", "U2c", "U4", "U5", "U6", "U7", "U8", "U9", "U10"})
+
+    @property
+    def targets(self) -> Mapping[str, Target]:
+        return {
+            "depth": Target("depth32f", clear=(1.0,)),
+            "peeled": Target("depth32f", clear=(0.0,)),
+            "layer": Target("rgba16f"),
+            "factor": Target("rgba16f", clear=(1.0,)),
+            "sum": Target("rgba16f"),
+            "through": Target("rgba16f", clear=(1.0,)),
+        }
+
+    @property
+    def passes(self) -> tuple[Step, ...]:
+        layer = ("layer", "factor")
+        peel = Pass(
+            "peel.glsl",
+            Draws.FRAGMENTS,
+            reads=("opaque_depth", "peeled"),
+            writes={"layer": REPLACE, "factor": REPLACE},
+            depth="depth",
+            clears=("depth", *layer),
+        )
+        add = Pass("add.glsl", Draws.PIXELS, reads=("layer", "through"), writes={"sum": ADD})
+        attenuate = Pass(
+            "attenuate.glsl", Draws.PIXELS, reads=("factor",), writes={"through": MODULATE}
+        )
+        return (
+            Loop(
+                (peel, add, attenuate),
+                times=int(self.values["layers"]) or _ALL,
+                until_empty=peel.name,
+                swaps=(("depth", "peeled"),),
+            ),
+            Pass(
+                "combine.glsl",
+                Draws.PIXELS,
+                reads=("sum", "through"),
+                writes={"color": COMPOSITE},
+            ),
+        )

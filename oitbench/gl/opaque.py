@@ -1,0 +1,114 @@
+"""The engine's own passes: the opaque picture behind everything, and the count of fragments."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import moderngl
+import numpy as np
+import numpy.typing as npt
+
+from oitbench.declare import ADD, REPLACE, Draws, Method, Order, Pass, Target
+from oitbench.effects import Effect
+from oitbench.gl.device import Device
+from oitbench.gl.geometry import Batch, Geometry, view_block
+from oitbench.gl.passes import Blueprint, compile_pass
+from oitbench.gl.prelude import bind
+
+_OPAQUE = Pass("opaque.glsl", Draws.FRAGMENTS, writes={"color": REPLACE})
+_COUNT = Pass("count.glsl", Draws.FRAGMENTS, writes={"count": ADD})
+_COLOR, _COUNTED, DEPTH = Target("rgba16f"), Target("r32f"), Target("depth32f")
+
+
+def draw_opaque(
+    device: Device,
+    geometry: Geometry,
+    view: moderngl.Buffer,
+    textures: tuple[moderngl.Texture, moderngl.Texture],
+    color: Target,
+    samples: int,
+    transmittance: bool,
+) -> None:
+    """Render what lies behind all transparency, and fill the uniform block for `view`.
+
+    Parameters
+    ----------
+    device : Device
+    geometry : Geometry
+    view : moderngl.Buffer
+        The uniform block `View`.
+    textures : (color, depth)
+    color : Target
+        Of the color texture.
+    samples : int
+        Samples a pixel of both textures.
+    transmittance : bool
+        Show a background of one instead of radiance.
+    """
+    scene, size = geometry.scene, textures[0].size
+    view.write(view_block(scene.camera, size, transmittance))
+    background = (1.0, 1.0, 1.0) if transmittance else scene.background
+    framebuffer = device.context.framebuffer([textures[0]], textures[1])
+    framebuffer.use()
+    framebuffer.scissor = (0, 0, *size)
+    device.clear(0, color.texel, (*background, 1.0))
+    device.clear(0, DEPTH.texel, (1.0,))
+    framebuffer.release()
+    names = {"color": textures[0], "opaque_depth": textures[1]}
+    declared = {"color": color, "opaque_depth": DEPTH}
+    blueprint = _blueprint(device, geometry, declared, samples)
+    _draw(blueprint, _OPAQUE, names, geometry.opaque, view, depth_writes=True)
+
+
+def count_fragments(
+    device: Device, geometry: Geometry, size: tuple[int, int]
+) -> npt.NDArray[np.int64]:
+    """Return the number of visible transparent fragments a pixel, shape (h, w), bottom row first.
+
+    One sample a pixel is taken, at its center.
+    """
+    color = device.texture(size, _COLOR.texel)
+    depth = device.texture(size, DEPTH.texel)
+    count = device.texture(size, _COUNTED.texel)
+    view = device.context.buffer(view_block(geometry.scene.camera, size, False))
+    draw_opaque(device, geometry, view, (color, depth), _COLOR, 1, False)
+    framebuffer = device.context.framebuffer([count])
+    framebuffer.use()
+    framebuffer.scissor = (0, 0, *size)
+    device.clear(0, _COUNTED.texel, (0.0,))
+    framebuffer.release()
+    declared = {"count": _COUNTED, "opaque_depth": DEPTH}
+    names = {"count": count, "opaque_depth": depth}
+    _draw(_blueprint(device, geometry, declared, 1), _COUNT, names, geometry.transparent, view)
+    counts = np.frombuffer(count.read(), dtype=np.float32).reshape(size[::-1])
+    for item in (color, depth, count, view):
+        item.release()
+    return counts.astype(np.int64)
+
+
+def _blueprint(
+    device: Device, geometry: Geometry, declared: Mapping[str, Target], samples: int
+) -> Blueprint:
+    return Blueprint(
+        device, geometry, Method(), None, Effect.NONE, declared, {}, bind({}, False), samples
+    )
+
+
+def _draw(
+    blueprint: Blueprint,
+    step: Pass,
+    textures: Mapping[str, moderngl.Texture],
+    batch: Batch,
+    view: moderngl.Buffer,
+    depth_writes: bool = False,
+) -> None:
+    indices = batch.arrange(Order.SUBMISSION)[0]
+    if not len(indices):
+        return
+    compiled = compile_pass(blueprint, step, textures, depth_writes)
+    buffer = blueprint.device.context.buffer(indices.tobytes())
+    some = next(iter(textures.values()))
+    compiled.begin(view, (0, 0, *some.size))
+    compiled.draw(buffer, 0, len(indices))
+    compiled.release()
+    buffer.release()
