@@ -13,7 +13,7 @@ from typing import Any, TypeVar
 
 from oitbench import selector
 from oitbench.declare import Method
-from oitbench.errors import DeclarationError, UsageError, unknown
+from oitbench.errors import DeclarationError, OitbenchError, SceneError, UsageError, unknown
 from oitbench.scene import Scene
 from oitbench.selector import Parameter, Value
 
@@ -157,7 +157,13 @@ class Collection:
             raise UsageError(f"'{text}' stands for {len(assignments)} scenes; name one")
         values: dict[str, Value] = assignments[0]
         label = selector.variant(parsed.name, values, plugin.parameters)
-        return plugin.build(name=label, **values)
+        try:
+            return plugin.build(name=label, **values)
+        except OitbenchError:
+            raise
+        except Exception as error:
+            # Whose bug it is must be told; the engine goes on.
+            raise SceneError(f"scene {label}: {type(error).__name__}: {error}") from error
 
     def truth(self) -> Method:
         """Return the method that renders the exact truth, with its parameters for it."""
