@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -22,6 +23,7 @@ from tests.helpers import (
     RED,
     WHITE,
     Layer,
+    collection,
     method,
     opened,
     random_lists,
@@ -57,7 +59,7 @@ PROMISED = {
 Check = Callable[[Device, Method], None]
 
 
-def close(found: npt.ArrayLike, expected: npt.ArrayLike, allowed: float) -> None:
+def close(found: npt.NDArray[Any], expected: npt.NDArray[Any], allowed: float) -> None:
     np.testing.assert_allclose(found, expected, rtol=0, atol=allowed)
 
 
@@ -180,9 +182,14 @@ IDENTITIES: dict[str, Check] = {
 }
 
 
-@pytest.mark.parametrize(
-    ("name", "identity"), [(n, i) for n, held in PROMISED.items() for i in IDENTITIES if i in held]
-)
+def promises() -> Iterator[tuple[str, str]]:
+    """Yield every promise of the variants above, and of all other methods by their defaults."""
+    others = set(collection().methods) - {name.partition("[")[0] for name in PROMISED}
+    for name in [*PROMISED, *sorted(others)]:
+        yield from ((name, identity) for identity in IDENTITIES if identity in method(name).holds)
+
+
+@pytest.mark.parametrize(("name", "identity"), promises())
 def test_identity(device: Device, name: str, identity: str) -> None:
     IDENTITIES[identity](device, method(name))
 
