@@ -103,7 +103,8 @@ def test_a_buffers_fields_are_blocks_of_their_own() -> None:
 def test_only_unsigned_fields_have_atomics() -> None:
     text = accessors(gather(buffers=("nodes",)))
     for verb in ("exchange", "add", "min", "max"):
-        assert f"uint {verb}_nodes_next(uint i, uint value)" in text
+        call = f"{{ return atomic{verb.capitalize()}(nodes_next_data[i], value); }}"
+        assert f"uint {verb}_nodes_next(uint i, uint value) {call}" in text
         assert f"{verb}_nodes_front" not in text
 
 

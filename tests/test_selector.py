@@ -13,6 +13,7 @@ PARAMETERS = {
     "node": Parameter("precise", choices=("precise", "compact")),
     "count": Parameter(4, low=1, high=8),
     "alpha": Parameter(0.5, low=0.0, high=1.0),
+    "radiance": Parameter(1.0, low=0.0),
     "tinted": Parameter(False),
 }
 
@@ -22,7 +23,7 @@ def assignments(given: str) -> list[dict[str, Value]]:
 
 
 def test_a_bare_name_stands_for_all_defaults() -> None:
-    defaults = {"node": "precise", "count": 4, "alpha": 0.5, "tinted": False}
+    defaults = {"node": "precise", "count": 4, "alpha": 0.5, "radiance": 1.0, "tinted": False}
     assert assignments("thing") == [defaults]
     assert assignments("thing[]") == [defaults]
 
@@ -73,6 +74,7 @@ def test_a_wrong_parameter_brings_the_nearest() -> None:
         ("thing[count=]", "count takes int, not ''"),
         ("thing[alpha=nan]", "alpha is nan"),
         ("thing[alpha=inf]", "alpha is inf"),
+        ("thing[radiance=nan]", "radiance is nan; it must be at least 0.0"),
         ("thing[alpha=half]", "alpha takes float, not 'half'"),
         ("thing[tinted=yes]", "tinted takes bool, not 'yes'"),
     ],
