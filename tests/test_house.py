@@ -1,0 +1,131 @@
+"""What keeps engine and content apart, and the command line quick."""
+
+from __future__ import annotations
+
+import ast
+import re
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from oitbench.collection import own_folder
+
+ROOT = own_folder()
+ENGINE = ROOT / "oitbench"
+CONTENT = ("methods", "scenes", "reports")
+ALLOWED = sys.stdlib_module_names | {"oitbench", "numpy", "matplotlib", "pandas"}
+HEAVY = ("mitsuba", "drjit", "pandas", "matplotlib", "skimage", "flip_evaluator", "OpenEXR", "PIL")
+COMMENTS = {
+    ".glsl": r"//[^\n]*|/\*.*?\*/",
+    ".js": r"//[^\n]*|/\*.*?\*/",
+    ".css": r"/\*.*?\*/",
+    ".html": r"<!--.*?-->|\{#.*?#\}",
+    ".mplstyle": r"#[^\n]*",
+}
+
+
+def content_names() -> set[str]:
+    """Return the names of all methods, with those of their classes, and of all scenes."""
+    names = {path.stem for path in (ROOT / "scenes").glob("*.py")}
+    for path in (ROOT / "methods").glob("*/method.py"):
+        names.add(path.parent.name)
+        tree = ast.parse(path.read_text(encoding="utf-8"))
+        names |= {node.name for node in tree.body if isinstance(node, ast.ClassDef)}
+    return names
+
+
+def words(source: str) -> Iterator[str]:
+    """Yield what a Python file says apart from comments and docstrings."""
+    nodes = list(ast.walk(ast.parse(source)))
+    prose = {id(node.value) for node in nodes if isinstance(node, ast.Expr)}
+    for node in nodes:
+        if isinstance(node, ast.Constant) and id(node) in prose:
+            continue
+        for _, value in ast.iter_fields(node):
+            if isinstance(value, str):
+                yield value
+            elif isinstance(value, list):
+                yield from (item for item in value if isinstance(item, str))
+
+
+def engine_text(path: Path) -> str:
+    """Return an engine file's text without its comments, and its Python docstrings."""
+    source = path.read_text(encoding="utf-8")
+    if path.suffix == ".py":
+        return "\n".join(words(source))
+    return re.sub(COMMENTS[path.suffix], "", source, flags=re.DOTALL)
+
+
+def mentions(text: str, names: set[str]) -> set[str]:
+    """Return those of `names` that stand in `text` as a word, or as a part of an identifier."""
+    return {n for n in names if re.search(rf"(?<![A-Za-z0-9]){re.escape(n)}(?![A-Za-z0-9])", text)}
+
+
+def imports(path: Path) -> Iterator[str]:
+    """Yield the modules that a Python file imports; "." for a relative import."""
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            yield "." if node.level else str(node.module)
+
+
+def engine_files() -> list[Path]:
+    return sorted(p for p in ENGINE.rglob("*") if p.suffix in (".py", *COMMENTS))
+
+
+def content_files() -> list[Path]:
+    return sorted(path for kind in CONTENT for path in (ROOT / kind).rglob("*.py"))
+
+
+def told(path: Path) -> str:
+    return path.relative_to(ROOT).as_posix()
+
+
+def test_names_are_found_in_code_and_not_in_prose() -> None:
+    names = {"glass", "Glass"}
+    prose = '"""Of glass."""\nx = 1  # glass\n"""Of Glass."""\n'
+    assert not mentions("\n".join(words(prose)), names)
+    for code in ("glass = 1", "render_glass()", "a.glass", "def f(glass): ...", "x['the glass']"):
+        assert mentions("\n".join(words(code)), names) == {"glass"}, code
+    assert not mentions("glasses eyeglass", names)
+
+
+@pytest.mark.parametrize("path", engine_files(), ids=told)
+def test_the_engine_knows_no_method_and_no_scene(path: Path) -> None:
+    found = mentions(engine_text(path), content_names())
+    assert not found, f"{told(path)} names {', '.join(sorted(found))}"
+
+
+@pytest.mark.parametrize("path", content_files(), ids=told)
+def test_content_imports_the_engine_and_no_other_content(path: Path) -> None:
+    foreign = {name for name in imports(path) if name.partition(".")[0] not in ALLOWED}
+    assert not foreign, f"{told(path)} imports {', '.join(sorted(foreign))}"
+
+
+@pytest.mark.parametrize("path", engine_files(), ids=told)
+def test_the_engine_imports_no_content(path: Path) -> None:
+    if path.suffix == ".py":
+        assert not {name.partition(".")[0] for name in imports(path)} & {*CONTENT, "tests", "."}
+
+
+@pytest.mark.parametrize("path", sorted((ROOT / "methods").rglob("*.glsl")), ids=told)
+def test_shaders_include_their_own_files_or_the_engines(path: Path) -> None:
+    for name in re.findall(r'#include\s+"([^"]+)"', path.read_text(encoding="utf-8")):
+        assert "/" not in name
+        assert (path.parent / name).is_file() or (ENGINE / "glsl" / name).is_file(), name
+
+
+def test_listing_imports_nothing_heavy() -> None:
+    code = (
+        "import sys\nfrom oitbench.cli import group\n"
+        "group.main(['list'], standalone_mode=False)\n"
+        f"print('loaded:', *[name for name in {HEAVY} if name in sys.modules])\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=60
+    )
+    assert done.stdout.splitlines()[-1] == "loaded:"
