@@ -274,6 +274,8 @@ class Method:
     parameters: ClassVar[Mapping[str, Parameter]] = {}
     truth: ClassVar[Mapping[str, Value] | None] = None
     """Parameters under which the method is the suite's exact truth; None for all but one."""
+    stochastic: ClassVar[bool] = False
+    """Whether the image is a random estimate, right in the mean over many pixels."""
 
     def __init__(self, **values: Value) -> None:
         for key in values:
@@ -311,6 +313,14 @@ class Method:
         Targets then have that many samples, and passes over pixels run once a sample.
         """
         return 1
+
+    @property
+    def record_step(self) -> float:
+        """Distance of neighboring colors and opacities in [0, 1] where shaders pack them.
+
+        As 1/255 for records of 8 bits; zero if all rounding is that of the declared formats.
+        """
+        return 0.0
 
     @property
     def deepest(self) -> int | None:
