@@ -189,7 +189,7 @@ def promises() -> Iterator[tuple[str, str]]:
         yield from ((name, identity) for identity in IDENTITIES if identity in method(name).holds)
 
 
-@pytest.mark.parametrize(("name", "identity"), promises())
+@pytest.mark.parametrize(("name", "identity"), list(promises()))
 def test_identity(device: Device, name: str, identity: str) -> None:
     IDENTITIES[identity](device, method(name))
 

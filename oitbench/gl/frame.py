@@ -214,6 +214,9 @@ class Frame:
         context, resources = self.device.context, self.resources
         resources.take_counts()
         resources.asked = 0
+        # The scissor of the last region still stands, and would clip the copy.
+        self._framebuffers["color"].use()
+        self._framebuffers["color"].scissor = (0, 0, *self.size)
         context.copy_framebuffer(self._framebuffers["color"], self._framebuffers["opaque_color"])
         missing: Counts | None = None
         for region in resources.regions:
@@ -247,6 +250,7 @@ class Frame:
         if self.samples > 1:
             texture = self.device.texture(self.size, entry)
             framebuffer = attach(self.device, texture, entry)
+            framebuffer.use()  # without a scissor
             self.device.context.copy_framebuffer(framebuffer, self._framebuffers[target])
             framebuffer.release()
         kinds = {"f1": np.uint8, "f2": np.float16, "f4": np.float32, "u4": np.uint32}
