@@ -102,6 +102,7 @@ class Geometry:
         self.scene = scene
         self.textures: dict[str, moderngl.TextureArray] = {}
         self.layers: dict[int, int] = {}
+        self._storeys = 1
         if scene.lists is not None:
             self._upload_lists(device, scene.lists)
         self._upload_textures(device, scene)
@@ -119,7 +120,7 @@ class Geometry:
     def macros(self) -> str:
         """What the surface shader must know at compile time."""
         if self.scene.lists is not None:
-            return "#define LISTS 1"
+            return f"#define LISTS {self._storeys}"
         return "#define TEXTURED 1" if self.textures else ""
 
     def _batch(self, objects: tuple[Object, ...], parts: list[npt.NDArray[np.void]]) -> Batch:
@@ -189,15 +190,25 @@ class Geometry:
     def _upload_lists(self, device: Device, lists: FragmentLists) -> None:
         layers, height, width = lists.z.shape
         limit = int(device.context.info["GL_MAX_ARRAY_TEXTURE_LAYERS"])
-        if layers > limit:
-            raise UsageError(f"fragment lists of {layers} layers; this driver has at most {limit}")
+        # Beyond the driver's limit on layers of a texture, each holds several, one above another.
+        self._storeys = math.ceil(layers / limit)
+        stored = math.ceil(layers / self._storeys)
+        if max(self._storeys * height, width) > device.max_side:
+            raise UsageError(
+                f"fragment lists of {layers} layers, {width}x{height}, exceed this driver's textures"
+            )
+        spare = [(0, self._storeys * stored - layers), (0, 0), (0, 0), (0, 0)]
         for name, color, last in (
             ("list_radiance", lists.radiance, lists.coverage),
             ("list_transmission", lists.transmission, lists.z),
         ):
             data = np.concatenate([color, last[..., None]], axis=-1)[:, ::-1].astype(np.float32)
+            storeys = np.pad(data, spare).reshape(self._storeys, stored, height, width, 4)
             array = device.context.texture_array(
-                (width, height, layers), 4, data.tobytes(), dtype="f4"
+                (width, self._storeys * height, stored),
+                4,
+                storeys.swapaxes(0, 1).tobytes(),
+                dtype="f4",
             )
             array.filter = (moderngl.NEAREST, moderngl.NEAREST)
             self.textures[name] = array

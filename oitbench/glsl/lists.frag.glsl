@@ -7,8 +7,12 @@ uniform sampler2DArray list_radiance;       // L, alpha
 uniform sampler2DArray list_transmission;   // t, z
 
 void main() {
-    uvec2 size = uvec2(textureSize(list_radiance, 0).xy);
-    ivec3 texel = ivec3(uvec2(gl_FragCoord.xy) * size / frame_size, int(v_layer));
+    // LISTS layers stand above each other in each layer of the texture.
+    ivec3 stored = textureSize(list_radiance, 0);
+    uvec2 size = uvec2(stored.x, stored.y / LISTS);
+    int layer = int(v_layer);
+    ivec3 texel = ivec3(uvec2(gl_FragCoord.xy) * size / frame_size, layer % stored.z);
+    texel.y += layer / stored.z * int(size.y);
     vec4 radiance = texelFetch(list_radiance, texel, 0);
     vec4 transmission = texelFetch(list_transmission, texel, 0);
     Fragment fragment;
