@@ -195,7 +195,7 @@ class Geometry:
         stored = math.ceil(layers / self._storeys)
         if max(self._storeys * height, width) > device.max_side:
             raise UsageError(
-                f"fragment lists of {layers} layers, {width}x{height}, exceed this driver's textures"
+                f"fragment lists of {layers} layers of {width}x{height} are beyond this driver"
             )
         spare = [(0, self._storeys * stored - layers), (0, 0), (0, 0), (0, 0)]
         for name, color, last in (
