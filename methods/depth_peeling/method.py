@@ -6,7 +6,8 @@ A fragment is peeled when its window depth lies beyond the last peeled depth of 
 bit for bit. Peeling ends after the first pass that passes no sample, or after `layers` passes; then
 the result is that of the first layers alone, exactly.
 
-Parameters: `layers`, the most layers to peel, 0 for all.
+Parameters: `layers`, the most layers to peel, 0 for all. `precision` of all colors, `half` or
+`float`.
 
 Source: Everitt 2001, "Interactive Order-Independent Transparency", NVIDIA.
 
@@ -36,18 +37,23 @@ _ALL = 1 << 16
 
 class DepthPeeling(Method):
     expresses = Effect.COVERAGE | Effect.COLORED_TRANSMISSION
-    parameters = {"layers": Parameter(0, low=0, help="most layers to peel, 0 for all")}
+    parameters = {
+        "layers": Parameter(0, low=0, help="most layers to peel, 0 for all"),
+        "precision": Parameter("half", choices=("half", "float"), help="of every color"),
+    }
     holds = frozenset({"U1", "U2", "U2c", "U4", "U5", "U6", "U7", "U8", "U9", "U10"})
 
     @property
     def targets(self) -> Mapping[str, Target]:
+        texel = {"half": "rgba16f", "float": "rgba32f"}[self.text("precision")]
         return {
+            "color": Target(texel),
             "depth": Target("depth32f", clear=(1.0,)),
             "peeled": Target("depth32f", clear=(0.0,)),
-            "layer": Target("rgba16f"),
-            "factor": Target("rgba16f", clear=(1.0,)),
-            "sum": Target("rgba16f"),
-            "through": Target("rgba16f", clear=(1.0,)),
+            "layer": Target(texel),
+            "factor": Target(texel, clear=(1.0,)),
+            "sum": Target(texel),
+            "through": Target(texel, clear=(1.0,)),
         }
 
     @property

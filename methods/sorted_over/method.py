@@ -7,6 +7,7 @@ a single pass attenuates each channel by itself; a fixed-function blend with one
 
 Parameters: `sort` is by view distance of each object's bounding box center (`object`), or of each
 triangle's centroid over all objects (`triangle`). Sorting runs on the CPU and is timed apart.
+`precision` is that of the color, `half` or `float`.
 
 Source: the over operator of Porter & Duff 1984 with RGB transmittance (McGuire & Mara 2017,
 "Phenomenological Transparency", eq. 1 unrolled).
@@ -15,7 +16,9 @@ Known failures: objects that contain or intersect each other (`object`), triangl
 overlap in a cycle, large triangles whose centroids mislead, popping when the order flips.
 """
 
-from oitbench import COMPOSITE, Draws, Effect, Method, Order, Parameter, Pass, Step
+from collections.abc import Mapping
+
+from oitbench import COMPOSITE, Draws, Effect, Method, Order, Parameter, Pass, Step, Target
 
 
 class SortedOver(Method):
@@ -27,9 +30,14 @@ class SortedOver(Method):
             choices=("object", "triangle"),
             grid=("object", "triangle"),
             help="unit that is sorted",
-        )
+        ),
+        "precision": Parameter("half", choices=("half", "float"), help="of every target"),
     }
     holds = frozenset({"U1", "U2", "U2c", "U3", "U5", "U6", "U7", "U8", "U9", "U10"})
+
+    @property
+    def targets(self) -> Mapping[str, Target]:
+        return {"color": Target({"half": "rgba16f", "float": "rgba32f"}[self.text("precision")])}
 
     @property
     def passes(self) -> tuple[Step, ...]:

@@ -10,7 +10,14 @@ window depth:
     9:  w = o clamp(0.03 / (1e-5 + (z/200)^4), 1e-2, 3e3)
     10: w = o max(1e-2, 3e3 (1 - d)^3)
 
-72 bits a pixel and 18 bytes of blending a fragment.
+72 bits a pixel and 18 bytes of blending a fragment, as published.
+
+Parameters
+----------
+weight : equation of w.
+precision : of A and r. `paper` has half floats and 8 bits; `half` and `float` have that for both,
+    and `float` also for the final color.
+msaa : samples a pixel, 1 or 4; every target then has as many.
 
 Source: McGuire & Bavoil 2013, JCGT 2(2), equations 7 to 10. Ports that print 5 instead of 10 in
 equation 8, 10 instead of 0.03 in equation 9, or 1 - d^3 in equation 10 disagree with the paper and
@@ -18,8 +25,11 @@ with each other; the constants here are those on which at least two ports and th
 
 Known failures: a front layer with alpha = 1 hides the background but not the color of transparent
 layers behind it; at w = 3000 the half-float sum saturates after 21 white layers; weights that reach
-their clamp lose the order (equation 10 beyond 67 near-plane distances).
+their clamp lose the order (equation 10 beyond 67 near-plane distances). In 8 bits r stalls: layers
+of o < 1/510 never change it, and thicker ones stop to at about r = 1/(510 o).
 """
+
+from collections.abc import Mapping
 
 from oitbench import ADD, ATTENUATE, OVER, Draws, Effect, Method, Parameter, Pass, Target
 
@@ -27,11 +37,29 @@ from oitbench import ADD, ATTENUATE, OVER, Draws, Effect, Method, Parameter, Pas
 class WeightedBlended(Method):
     expresses = Effect.COVERAGE
     parameters = {
-        "weight": Parameter(10, choices=(7, 8, 9, 10), grid=(7, 8, 9, 10), help="equation")
+        "weight": Parameter(10, choices=(7, 8, 9, 10), grid=(7, 8, 9, 10), help="equation"),
+        "precision": Parameter("paper", choices=("paper", "half", "float"), help="of all targets"),
+        "msaa": Parameter(1, choices=(1, 4), help="samples a pixel"),
     }
     holds = frozenset({"U1", "U2", "U3", "U4", "U6", "U7", "U8", "U10"})
-    targets = {"accum": Target("rgba16f", clear=(0.0,)), "reveal": Target("r8", clear=(1.0,))}
     passes = (
         Pass("gather.glsl", Draws.FRAGMENTS, writes={"accum": ADD, "reveal": ATTENUATE}),
         Pass("resolve.glsl", Draws.PIXELS, reads=("accum", "reveal"), writes={"color": OVER}),
     )
+
+    @property
+    def samples(self) -> int:
+        return int(self.values["msaa"])
+
+    @property
+    def targets(self) -> Mapping[str, Target]:
+        accum, reveal = {
+            "paper": ("rgba16f", "r8"),
+            "half": ("rgba16f", "r16f"),
+            "float": ("rgba32f", "r32f"),
+        }[self.text("precision")]
+        return {
+            "accum": Target(accum),
+            "reveal": Target(reveal, clear=(1.0,)),
+            "color": Target(accum),
+        }

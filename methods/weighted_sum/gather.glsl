@@ -1,0 +1,3 @@
+void gather(Fragment fragment) {
+    sum = premultiplied(fragment);
+}
