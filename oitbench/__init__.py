@@ -15,6 +15,7 @@ from oitbench.declare import (
     OVER,
     PROGRAMMABLE,
     REPLACE,
+    UNDER,
     Blend,
     Buffer,
     Draws,
@@ -35,11 +36,16 @@ from oitbench.selector import Parameter
 if TYPE_CHECKING:
     from oitbench.matrix import execute as run
     from oitbench.picture import render
+    from oitbench.regression import compare
 
 __version__ = "0.1.0"
 
 # The verbs of the command line; what renders is imported when it is called.
-_VERBS = {"run": ("oitbench.matrix", "execute"), "render": ("oitbench.picture", "render")}
+_VERBS = {
+    "run": ("oitbench.matrix", "execute"),
+    "render": ("oitbench.picture", "render"),
+    "compare": ("oitbench.regression", "compare"),
+}
 
 
 def __getattr__(name: str) -> Any:
@@ -59,6 +65,7 @@ __all__ = [
     "OVER",
     "PROGRAMMABLE",
     "REPLACE",
+    "UNDER",
     "Blend",
     "Buffer",
     "Draws",
@@ -75,6 +82,7 @@ __all__ = [
     "Step",
     "Target",
     "__version__",
+    "compare",
     "render",
     "run",
 ]

@@ -21,6 +21,8 @@ from oitbench.gl.steps import PassRecord
 from oitbench.scene import Scene
 from oitbench.store import CellKey, Record, image_path
 
+_LEFT_OUT = "left out of this run"
+
 
 @dataclass(frozen=True)
 class Cell:
@@ -134,18 +136,25 @@ class Bench:
         self.watch = Stopwatch()
         self._stage: _Stage | None = None
 
-    def run(self, cell: Cell) -> Record:
-        """Render one cell; an error that belongs to it becomes a record that gives the reason."""
+    def run(self, cell: Cell, path_traced: bool = True) -> Record:
+        """Render one cell; an error that belongs to it becomes a record that gives the reason.
+
+        Parameters
+        ----------
+        cell : Cell
+        path_traced : bool
+            Whether to hold it against path tracing too, or against the exact truth alone.
+        """
         start = time.perf_counter()
         try:
-            record = self._run(cell)
+            record = self._run(cell, path_traced)
         except CapabilityError as error:
             record = {**cell.head(), "status": "skipped", "reason": str(error)}
         except OitbenchError as error:
             record = {**cell.head(), "status": "failed", "reason": str(error)}
         return {**record, "seconds": time.perf_counter() - start}
 
-    def _run(self, cell: Cell) -> Record:
+    def _run(self, cell: Cell, path_traced: bool) -> Record:
         (method,) = self.collection.expand_methods([cell.method])
         fine = (cell.size[0] * cell.ssaa, cell.size[1] * cell.ssaa)
         check_size(self.device, fine)
@@ -164,7 +173,9 @@ class Bench:
             exact[metrics.TRANSMITTANCE] = metrics.rmse_transmittance(
                 stage.exact_transmittance, transmittance
             )
-        path_traced, traced_image = self._path_traced(cell, scene, image)
+        scores, traced_image = (
+            self._path_traced(cell, scene, image) if path_traced else ({"reason": _LEFT_OUT}, {})
+        )
         return {
             **cell.head(),
             "params": method.values,
@@ -179,7 +190,7 @@ class Bench:
             **cost,
             "time": None,
             "nonfinite": nonfinite,
-            "metrics": {"exact": exact, "path_traced": path_traced},
+            "metrics": {"exact": exact, "path_traced": scores},
             "images": {
                 "color": relative,
                 "exact": self._shared_image(cell, "exact"),
@@ -236,6 +247,7 @@ class Bench:
         terms = accounting.traffic(frame, records)
         cost: Record = {
             "fragments": int(frame.complexity.sum()),
+            "passes": [{"name": record.name, "runs": record.runs} for record in records],
             "memory": accounting.memory(frame),
             "traffic": {
                 "bytes": sum(term.bytes for term in terms),

@@ -37,21 +37,26 @@ class Preset:
     grid : bool
         Every parameter's grid, or its default alone.
     rounds : int
-        Timed frames a variant at most.
+        Timed frames a variant at most; with 0 nothing is timed.
     budget : float
         Seconds of timing a scene after which no further round begins.
+    path_traced : bool
+        Whether cells are held against path tracing too, or against the exact truth alone.
     """
 
     size: tuple[int, int]
     grid: bool
     rounds: int
     budget: float
+    path_traced: bool = True
 
 
 PRESETS = {
     "quick": Preset((256, 256), grid=False, rounds=9, budget=4.0),
     "standard": Preset((512, 512), grid=True, rounds=15, budget=60.0),
     "paper": Preset((1280, 720), grid=True, rounds=31, budget=600.0),
+    # What a check for regressions needs: metrics and counts, which every run repeats.
+    "guard": Preset((128, 128), grid=False, rounds=0, budget=0.0, path_traced=False),
 }
 
 
@@ -125,7 +130,7 @@ def plan(
     scenes, methods : sequence of str
         `NAME[param=v,w]`; all there are without. A method may also be a folder's path.
     preset : str
-        "quick", "standard" or "paper".
+        "quick", "standard", "paper" or "guard".
     size : (int, int), optional
         Instead of the preset's.
     effects : sequence of str
@@ -227,7 +232,8 @@ def run(asked: Plan, report: Report = lambda cell, record: None) -> Outcome:
         _render_all(todo, pool, asked, store, outcome, report)
         for extra in pool[1:]:
             extra.stop()
-        _time_all(asked, pool[0], store, outcome, set(todo))
+        if asked.preset.rounds:
+            _time_all(asked, pool[0], store, outcome, set(todo))
         for cell in todo:
             record = store.find(cell.key)
             status = record["status"] if record else "failed"
@@ -293,7 +299,7 @@ def _render_all(
         try:
             for cell in cells:
                 if not stopped.is_set():
-                    finished.put((cell, _render(worker, cell, asked.timeout)))
+                    finished.put((cell, _render(worker, cell, asked)))
         except BaseException as error:
             finished.put(error)
         finally:
@@ -319,9 +325,10 @@ def _render_all(
             raise
 
 
-def _render(worker: WorkerProcess, cell: Cell, timeout: float | None) -> Message:
+def _render(worker: WorkerProcess, cell: Cell, asked: Plan) -> Message:
     try:
-        return worker.ask({"verb": "run", "cell": to_message(cell)}, timeout)
+        message = {"verb": "run", "cell": to_message(cell)}
+        return worker.ask({**message, "path_traced": asked.preset.path_traced}, asked.timeout)
     except WorkerError as error:
         status = "timeout" if error.timeout else "failed"
         record = {**cell.head(), "status": status, "reason": str(error)}

@@ -145,7 +145,7 @@ def _answer(bench: Bench, message: Message) -> Message:
             }
         }
     if message["verb"] == "run":
-        record = bench.run(_from_message(message["cell"]))
+        record = bench.run(_from_message(message["cell"]), message["path_traced"])
         return {"record": record, "spent": bench.watch.take()}
     cells = [_from_message(facts) for facts in message["cells"]]
     times = bench.time(cells, message["rounds"], message["budget"])

@@ -9,7 +9,7 @@ import click
 
 from oitbench.errors import OitbenchError
 
-VERBS = ("run", "render", "list", "reference", "report", "doctor")
+VERBS = ("run", "render", "list", "reference", "report", "compare", "baseline", "doctor")
 
 
 class _Verbs(click.Group):

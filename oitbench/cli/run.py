@@ -12,7 +12,7 @@ from oitbench.cli import options
 @click.command()
 @click.option(
     "--preset",
-    type=click.Choice(["quick", "standard", "paper"]),
+    type=click.Choice(["quick", "standard", "paper", "guard"]),
     default="quick",
     show_default=True,
     help="Size, parameter grid and rounds of timing.",

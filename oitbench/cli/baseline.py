@@ -1,0 +1,50 @@
+"""`oitbench baseline`: keep what a run came to, and hold later runs against it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+DEFAULT = Path("baseline.json")
+
+
+@click.group()
+def command() -> None:
+    """Keep the metrics and counts of a run, and hold later runs against them."""
+
+
+@command.command()
+@click.argument("results", type=click.Path(path_type=Path))
+@click.option(
+    "-o",
+    "--out",
+    type=click.Path(dir_okay=False, path_type=Path),
+    default=DEFAULT,
+    show_default=True,
+    help="File of the baseline.",
+)
+def save(results: Path, out: Path) -> None:
+    """Write the baseline of RESULTS: a small file without times and paths, to be committed."""
+    from oitbench.baseline import save as save_baseline
+
+    rows = save_baseline(results, out).rows
+    click.echo(f"{out}: {len(rows)} cells")
+
+
+@command.command()
+@click.argument("results", type=click.Path(path_type=Path))
+@click.option(
+    "--baseline",
+    type=click.Path(path_type=Path),
+    default=DEFAULT,
+    show_default=True,
+    help="The baseline file.",
+)
+@click.option("--json", "as_json", is_flag=True, help="Print the comparison as JSON.")
+def check(results: Path, baseline: Path, as_json: bool) -> None:
+    """Hold RESULTS against a baseline; exit with 1 on a regression."""
+    from oitbench.cli.compare import tell
+    from oitbench.regression import compare
+
+    tell(compare(results, baseline), as_json)

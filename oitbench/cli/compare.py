@@ -1,0 +1,58 @@
+"""`oitbench compare`: a run against a baseline, or against another run."""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+if TYPE_CHECKING:
+    from oitbench.regression import Comparison
+
+_WIDE = 200
+
+
+@click.command()
+@click.argument("results", type=click.Path(path_type=Path))
+@click.argument("baseline", type=click.Path(path_type=Path))
+@click.option("--json", "as_json", is_flag=True, help="Print the comparison as JSON.")
+def command(results: Path, baseline: Path, as_json: bool) -> None:
+    """Hold RESULTS against BASELINE, a baseline file or another results folder.
+
+    The exit code is 1 if a quality metric became worse by more than its tolerance, if a count
+    changed, or if a cell is on one side alone. Frame times are told and never fail.
+    """
+    from oitbench.regression import compare
+
+    tell(compare(results, baseline), as_json)
+
+
+def tell(comparison: Comparison, as_json: bool = False) -> None:
+    """Print a comparison; exit with 1 if something regressed."""
+    if as_json:
+        click.echo(json.dumps(comparison.facts(), indent=2, allow_nan=False))
+    else:
+        if comparison.findings:
+            _print_table(comparison)
+        click.echo(comparison)
+    sys.exit(0 if comparison.passed else 1)
+
+
+def _print_table(comparison: Comparison) -> None:
+    from rich import box
+    from rich.console import Console
+    from rich.table import Table
+
+    table = Table(box=box.SIMPLE)
+    for title in ("verdict", "cell", "what", "baseline", "now"):
+        table.add_column(title, overflow="fold")
+    for finding in comparison.findings:
+        style = "red" if finding.regression else "green" if finding.verdict == "better" else None
+        values = ("" if value is None else str(value) for value in (finding.before, finding.now))
+        table.add_row(finding.verdict, finding.cell, finding.field, *values, style=style)
+    # Whoever reads a file or a pipe looks for whole labels.
+    width = None if sys.stdout.isatty() else _WIDE
+    Console(width=width, markup=False, highlight=False).print(table)

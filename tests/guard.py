@@ -1,0 +1,41 @@
+"""The matrix that guards the methods, and its baseline; `python -m tests.guard` writes it anew."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from oitbench import baseline, matrix, regression
+
+BASELINE = Path(__file__).with_name("baseline.json")
+SCENES = (
+    "fragment_lists[width=128,height=128]",
+    "glass_bars",
+    "smoke_ball[detail=0.1]",
+    "layer_stack",
+)
+
+
+def run(out: Path, scenes: Sequence[str] = SCENES, methods: Sequence[str] = ()) -> None:
+    """Render small images of these scenes with all methods at their defaults, or with some."""
+    matrix.run(matrix.plan(scenes, methods, "guard", ssaa=1, out=out, workers=2))
+
+
+def main() -> None:
+    """Write the baseline, and tell what differs from the one before."""
+    before = baseline.read(BASELINE) if BASELINE.is_file() else None
+    with TemporaryDirectory() as folder:
+        run(Path(folder))
+        now = baseline.save(folder, BASELINE)
+    print(f"{BASELINE}: {len(now.rows)} cells")
+    if before is not None:
+        comparison = regression.compare_snapshots(now, before)
+        for finding in comparison.findings:
+            told = f"{finding.verdict}: {finding.cell} {finding.field}"
+            print(told, finding.before, "->", finding.now)
+        print(comparison)
+
+
+if __name__ == "__main__":
+    main()
