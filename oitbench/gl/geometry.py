@@ -90,6 +90,8 @@ class Geometry:
     vertices : moderngl.Buffer
     textures : dict of str to moderngl.TextureArray
         Samplers of the surface shader by name.
+    complexities : dict of (width, height) to array
+        Fragments a pixel at the frame sizes that were counted.
     """
 
     def __init__(self, device: Device, scene: Scene) -> None:
@@ -103,6 +105,7 @@ class Geometry:
         self.textures: dict[str, moderngl.TextureArray] = {}
         self.layers: dict[int, int] = {}
         self._storeys = 1
+        self.complexities: dict[tuple[int, int], npt.NDArray[np.int64]] = {}
         if scene.lists is not None:
             self._upload_lists(device, scene.lists)
         self._upload_textures(device, scene)

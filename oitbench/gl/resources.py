@@ -216,6 +216,12 @@ class Resources:
         if self._counters is not None and self.bindings.counters is not None:
             self._counters.bind_to_storage_buffer(self.bindings.counters)
 
+    def read(self, name: str, field: str) -> npt.NDArray[np.uint32]:
+        """Return the words of a field of all records of a buffer, shape (records, words)."""
+        self._wait()
+        words = np.frombuffer(self._blocks[name, field].read(), dtype=np.uint32)
+        return words.reshape(-1, GLSL_BYTES[self.buffers[name].fields[field]] // 4)
+
     def copy(self, source: str, target: str) -> None:
         """Copy one target's texels to another of its format."""
         self.device.copy(self.textures[source], self.textures[target], self.size, self.samples)

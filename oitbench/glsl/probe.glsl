@@ -1,0 +1,9 @@
+// Records every transparent fragment of the pixels that are drawn, with its place in the draws.
+void gather(Fragment fragment) {
+    uint record = allocate_fragments();
+    if (record != NONE) {
+        set_fragments_draw(record, uint(gl_PrimitiveID));
+        set_fragments_light(record, vec4(fragment.radiance, fragment.coverage));
+        set_fragments_glass(record, vec4(fragment.transmission, fragment.z));
+    }
+}
