@@ -33,26 +33,29 @@ has_gl_driver() {
         grep -qx installed || has_library 'libEGL_nvidia\.so' || has_library 'libgallium-'
 }
 
-# The LLVM package to install: 19 where the distribution has it, else the newest that drjit can use.
+# The LLVM package to install: 19 where the distribution has it, else the newest that drjit can use;
+# $1 where none is known. Without any, path tracing falls back to a slower variant.
 llvm_package() {
     local known
     known=$(apt-cache search --names-only '^libllvm(1[7-9]|2[0-2])(t64)?$' 2>/dev/null | cut -d' ' -f1)
-    grep -E '^libllvm19(t64)?$' <<<"$known" || sort --version-sort <<<"${known:-libllvm19}" | tail -n 1
+    [[ -n ${known:=$1} ]] || return 0
+    grep -E '^libllvm19(t64)?$' <<<"$known" || sort --version-sort <<<"$known" | tail -n 1
 }
 
-# Prints the packages whose content this machine lacks. drjit ends the process with LLVM before 17.
+# Prints the packages whose content this machine lacks; $1 is the LLVM to ask for if none is known.
+# drjit ends the process with an LLVM before 17.
 missing_packages() {
     "$system_python" -c 'import ensurepip, venv' 2>/dev/null || echo python3-venv
     has_library 'libatomic\.so\.1' || echo libatomic1
     has_library 'libEGL\.so\.1' || echo libegl1
     has_library 'libGL\.so\.1' || echo libgl1
     has_gl_driver || echo libgl1-mesa-dri
-    has_library 'libLLVM(-|\.so\.)(1[7-9]|2[0-2])([. ]|$)' || llvm_package
+    has_library 'libLLVM(-|\.so\.)(1[7-9]|2[0-2])([. ]|$)' || llvm_package "$1"
 }
 
 install_packages() {
     local missing as_root=()
-    readarray -t missing < <(missing_packages)
+    readarray -t missing < <(missing_packages libllvm19)
     ((${#missing[@]})) || return 0
     if [[ $(id -u) != 0 ]]; then as_root=(sudo -n); fi
     if ! command -v apt-get >/dev/null || ! "${as_root[@]}" true 2>/dev/null; then
@@ -61,7 +64,8 @@ install_packages() {
         exit 1
     fi
     "${as_root[@]}" apt-get update -qq || say "apt-get update failed; trying with what is known"
-    readarray -t missing < <(missing_packages) # Which LLVM there is may be known only now.
+    readarray -t missing < <(missing_packages '') # Which LLVM there is may be known only now.
+    ((${#missing[@]})) || return 0
     say "Installing ${missing[*]} ..."
     "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive \
         apt-get install -y -qq --no-install-recommends "${missing[@]}" >/dev/null
