@@ -25,6 +25,7 @@ class Factor(enum.IntEnum):
     SOURCE_COLOR = 0x0300
     ONE_MINUS_SOURCE_COLOR = 0x0301
     ONE_MINUS_SOURCE_ALPHA = 0x0303
+    ONE_MINUS_TARGET_ALPHA = 0x0305
     SECOND_SOURCE_COLOR = 0x88F9
 
 
@@ -77,6 +78,8 @@ ADD = Blend(Factor.ONE, Factor.ONE)
 """target ← target + source"""
 OVER = Blend(Factor.ONE, Factor.ONE_MINUS_SOURCE_ALPHA)
 """target ← source + (1 − source alpha)·target, premultiplied (Porter and Duff 1984)"""
+UNDER = Blend(Factor.ONE_MINUS_TARGET_ALPHA, Factor.ONE)
+"""target ← target + (1 − target alpha)·source, premultiplied: `OVER` from near to far"""
 ATTENUATE = Blend(Factor.ZERO, Factor.ONE_MINUS_SOURCE_COLOR)
 """target ← (1 − source)·target, per channel"""
 MODULATE = Blend(Factor.ZERO, Factor.SOURCE_COLOR)
@@ -321,6 +324,11 @@ class Method:
         As 1/255 for records of 8 bits; zero if all rounding is that of the declared formats.
         """
         return 0.0
+
+    @property
+    def may_be_negative(self) -> bool:
+        """Whether the method's own formula gives negative pixels, so that they are no fault."""
+        return False
 
     @property
     def deepest(self) -> int | None:

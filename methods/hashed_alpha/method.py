@@ -13,15 +13,20 @@ resolve.
 
 Parameters: `scale`, side of a cell in pixels.
 
-Source: Wyman & McGuire 2017, "Hashed Alpha Testing", I3D, with their sine-based hash.
+Source: Wyman & McGuire 2017, "Hashed Alpha Testing", I3D. Their hash, fract(1e4 sin ...), is not
+uniform in single precision (on planes at 24 distances a Kolmogorov-Smirnov test finds a median of
+1.35 / sqrt(n) where chance gives 0.83) and differs between drivers; here cells are hashed as
+integers.
 
-Known failures: noise of one sample a pixel; what shines without covering (o = 0) is lost.
+Known failures: noise of one sample a pixel; layers that are closer than a cell share a threshold,
+and let more light through than their product; what shines without covering (o = 0) is lost.
 """
 
 from oitbench import REPLACE, Draws, Effect, Method, Parameter, Pass, Target
 
 
 class HashedAlpha(Method):
+    stochastic = True
     expresses = Effect.COVERAGE
     parameters = {"scale": Parameter(1.0, low=0.01, high=64.0, help="side of a cell, pixels")}
     holds = frozenset({"U1", "U4", "U5", "U7", "U10"})

@@ -40,6 +40,10 @@ class WeightedSum(Method):
         return frozenset(held if self.values["clamp"] else held | {"U8"})
 
     @property
+    def may_be_negative(self) -> bool:
+        return not self.values["clamp"]
+
+    @property
     def targets(self) -> Mapping[str, Target]:
         texel = {"half": "rgba16f", "float": "rgba32f"}[self.text("precision")]
         return {"sum": Target(texel), "color": Target(texel)}

@@ -55,6 +55,8 @@ class Finding:
         Why it does not apply.
     nan, inf, negative : int
         Such pixels, over all pictures.
+    signed : bool
+        Whether the method's own formula may be negative, so that such pixels are no fault.
     repeatable : bool
         Whether pictures taken twice were equal bit for bit.
     """
@@ -73,12 +75,14 @@ class Finding:
     nan: int = 0
     inf: int = 0
     negative: int = 0
+    signed: bool = False
     repeatable: bool = True
 
     @property
     def unstable(self) -> bool:
-        """Whether a pixel was not finite or negative, or changed between two runs."""
-        return bool(self.nan or self.inf or self.negative) or not self.repeatable
+        """Whether a pixel was not finite or wrongly negative, or changed between two runs."""
+        negative = self.negative and not self.signed
+        return bool(self.nan or self.inf or negative) or not self.repeatable
 
     @property
     def failed(self) -> bool:
@@ -230,6 +234,7 @@ def _examine(
         nan=bad["nan"],
         inf=bad["inf"],
         negative=bad["negative"],
+        signed=method.may_be_negative,
         repeatable=repeatable,
     )
 
