@@ -18,6 +18,7 @@ samples : S. Up to 32 share one pass, four to a target that blends by minimum. M
     rounds with other random numbers, whose uncorrected sums are averaged before one correction.
 correction : `depth` and `alpha` correct for the true opacity of all layers, `none` does not.
 seed : of all random numbers.
+precision : of T, the sums and the color, `half` or `float`.
 
 Sets are drawn by selection sampling from a hash of pixel, primitive, seed and round: no table of
 masks, and other masks for each surface of a pixel. Depths are compared as they were written, and a
@@ -55,6 +56,7 @@ _AT_ONCE = 32
 
 
 class Stochastic(Method):
+    stochastic = True
     expresses = Effect.COVERAGE
     parameters = {
         "samples": Parameter(
@@ -64,6 +66,7 @@ class Stochastic(Method):
             "depth", choices=("none", "alpha", "depth"), help="for the true opacity"
         ),
         "seed": Parameter(1, low=0, high=65535, help="of all random numbers"),
+        "precision": Parameter("half", choices=("half", "float"), help="of all but depths"),
     }
 
     @property
@@ -78,8 +81,10 @@ class Stochastic(Method):
     @property
     def targets(self) -> Mapping[str, Target]:
         depths = {name: Target("rgba32f", clear=(_LARGEST,)) for name in self._depths}
-        total = {"total": Target("r16f", clear=(1.0,))} if self._corrected else {}
-        return {**depths, "sum": Target("rgba16f"), **total}
+        bits = {"half": "16f", "float": "32f"}[self.text("precision")]
+        total = {"total": Target(f"r{bits}", clear=(1.0,))} if self._corrected else {}
+        color = Target(f"rgba{bits}")
+        return {**depths, "sum": color, **total, "color": color}
 
     @property
     def passes(self) -> tuple[Step, ...]:
