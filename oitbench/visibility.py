@@ -24,7 +24,7 @@ from oitbench.gl.device import Device
 from oitbench.gl.frame import Frame, check_size
 from oitbench.gl.geometry import Geometry
 from oitbench.gl.probe import probe
-from oitbench.oracle import composite
+from oitbench.oracle import composite, transmittances
 from oitbench.scene import Camera, FragmentLists, Scene
 
 Array64 = npt.NDArray[np.float64]
@@ -33,7 +33,7 @@ _RANDOM_ROWS = 256
 
 @dataclass(frozen=True, eq=False)
 class Curves:
-    """Visibility at one pixel, fragments from near to far.
+    """Visibility at one pixel, fragments from near to far, and what lies behind them all.
 
     Parameters
     ----------
@@ -44,11 +44,11 @@ class Curves:
         Width and height of the frame in pixels.
     fragments : FragmentLists
         Of the pixel, (n, 1, 1).
-    exact : array, shape (n, 3), float64
-        NaN where a fragment's coverage is zero.
-    methods : dict of str to array, shape (n, 3), float64
+    exact : array, shape (n + 1, 3), float64
+        NaN where a fragment's coverage is zero. The last entry is the total transmittance.
+    methods : dict of str to array, shape (n + 1, 3), float64
         By label.
-    noise : dict of str to array, shape (n, 3), float64
+    noise : dict of str to array, shape (n + 1, 3), float64
         Standard error of each value; zero for methods that are not random.
     names : dict of str to str
         From a label to the method's bare name.
@@ -107,14 +107,15 @@ def curve_of(image: npt.NDArray[np.float32], count: int) -> tuple[Array64, Array
 
 
 def exact_curve(fragments: FragmentLists) -> Array64:
-    """Return the visibility of each fragment of one pixel, (n, 3); NaN where α = 0."""
-    return _with_gaps(composite(instrument(fragments), 0.0)[0], fragments)
+    """Return the visibility of each fragment of one pixel and of what lies behind, (n + 1, 3)."""
+    total = transmittances(fragments).prod(axis=0)[0]
+    return np.concatenate([_with_gaps(composite(instrument(fragments), 0.0)[0], fragments), total])
 
 
 def method_curve(
     device: Device, method: Method, fragments: FragmentLists, camera: Camera
 ) -> tuple[Array64, Array64]:
-    """Return a method's visibility of each fragment of one pixel, and its standard error.
+    """Return a method's visibility of each fragment and of what lies behind, and its error.
 
     Parameters
     ----------
@@ -127,7 +128,8 @@ def method_curve(
 
     Returns
     -------
-    (array, array), each of shape (n, 3)
+    (array, array), each of shape (n + 1, 3)
+        Values, and standard errors.
 
     Raises
     ------
@@ -144,11 +146,14 @@ def method_curve(
         try:
             frame.render()
             values, noise = curve_of(frame.image(), len(fragments.z))
+            frame.render(transmittance=True)
+            total, total_noise = curve_of(frame.image(), 1)
         finally:
             frame.release()
     finally:
         geometry.release()
-    return _with_gaps(values, fragments), noise
+    curve = np.concatenate([_with_gaps(values, fragments), total])
+    return curve, np.concatenate([noise, total_noise])
 
 
 def measure(
@@ -209,6 +214,7 @@ def _measure_all(
     size: tuple[int, int],
 ) -> Curves:
     order = np.argsort(found.z[:, 0, 0], kind="stable")
+    places = np.append(order, len(order))
     curves: dict[str, Array64] = {}
     noise: dict[str, Array64] = {}
     reasons: dict[str, str] = {}
@@ -218,14 +224,14 @@ def _measure_all(
         except CapabilityError as problem:
             reasons[method.label] = str(problem)
             continue
-        curves[method.label], noise[method.label] = values[order], error[order]
+        curves[method.label], noise[method.label] = values[places], error[places]
     parts = (found.z, found.coverage, found.radiance, found.transmission)
     return Curves(
         label,
         pixel,
         size,
         FragmentLists(*(part[order] for part in parts)),
-        exact_curve(found)[order],
+        exact_curve(found)[places],
         curves,
         noise,
         {method.label: method.name for method in chosen},

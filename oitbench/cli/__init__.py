@@ -9,7 +9,18 @@ import click
 
 from oitbench.errors import OitbenchError
 
-VERBS = ("run", "render", "list", "reference", "report", "compare", "baseline", "doctor")
+VERBS = (
+    "run",
+    "render",
+    "list",
+    "stability",
+    "visibility",
+    "reference",
+    "report",
+    "compare",
+    "baseline",
+    "doctor",
+)
 
 
 class _Verbs(click.Group):

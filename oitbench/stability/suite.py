@@ -13,7 +13,7 @@ import numpy as np
 from oitbench import metrics, selector
 from oitbench.collection import Collection
 from oitbench.declare import Method
-from oitbench.errors import CapabilityError
+from oitbench.errors import CapabilityError, OitbenchError
 from oitbench.gl.device import Device
 from oitbench.gl.frame import Frame
 from oitbench.gl.geometry import Geometry
@@ -52,7 +52,7 @@ class Finding:
     error, allowed : float or None
         The comparison that is nearest to, or farthest beyond, its bound; None if not finite.
     reason : str
-        Why it does not apply.
+        Why it does not apply, or why there is no picture.
     nan, inf, negative : int
         Such pixels, over all pictures.
     signed : bool
@@ -86,8 +86,8 @@ class Finding:
 
     @property
     def failed(self) -> bool:
-        """Whether this must not be: a broken promise, or an unstable picture."""
-        return self.unstable or (self.promised and self.result == BREAKS)
+        """Whether this must not be: a broken promise, an unstable picture, or none at all."""
+        return self.unstable or (self.result == BREAKS and bool(self.promised or self.reason))
 
     def facts(self) -> dict[str, Any]:
         """Return the finding for a file."""
@@ -222,6 +222,8 @@ def _examine(
             photos.append(replace(first, exact=truth))
     except CapabilityError as error:
         return Finding(*head, DOES_NOT_APPLY, promised, reason=str(error))
+    except OitbenchError as error:
+        return Finding(*head, BREAKS, promised, reason=str(error))
     verdicts = [_judge(method, comparison) for comparison in check.compare(photos)]
     worst = max(verdicts, key=lambda verdict: verdict.excess)
     return Finding(

@@ -1,0 +1,59 @@
+"""`oitbench visibility`: how much light each method lets through at one pixel, by depth."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import click
+
+from oitbench.cli import options
+from oitbench.errors import UsageError
+
+
+def _read_pixel(ctx: click.Context, parameter: click.Parameter, value: str) -> tuple[int, int]:
+    match = re.fullmatch(r"\s*(\d+)\s*,\s*(\d+)\s*", value)
+    if match is None:
+        raise UsageError(f"cannot read pixel '{value}'; write column,row as in 128,96")
+    return int(match[1]), int(match[2])
+
+
+@click.command()
+@click.argument("scene")
+@click.option(
+    "--pixel", required=True, callback=_read_pixel, help="Column,row from the top left, from 0."
+)
+@click.option(
+    "--method",
+    "methods",
+    multiple=True,
+    help="NAME[param=v,w] or a method's folder; repeatable. All by their defaults without.",
+)
+@options.size("256x256", "Pixels of the frame that the pixel lies in.")
+@click.option(
+    "-o",
+    "--out",
+    type=click.Path(file_okay=False, path_type=Path),
+    default=Path("results") / "visibility",
+    show_default=True,
+    help="Where visibility.csv, .json, .png and .pdf are written.",
+)
+@options.collections
+def command(
+    scene: str,
+    pixel: tuple[int, int],
+    methods: tuple[str, ...],
+    size: tuple[int, int],
+    out: Path,
+    collections: tuple[Path, ...],
+) -> None:
+    """Measure the exact and every method's visibility curve at one pixel of SCENE."""
+    from oitbench import visibility
+    from oitbench.collection import Collection
+    from oitbench.report.visibility import write
+
+    curves = visibility.measure(scene, pixel, methods, size, collections)
+    known = list(Collection.load(collections).methods)
+    for label, reason in curves.reasons.items():
+        click.echo(f"skipped {label}: {reason}", err=True)
+    click.echo(write(curves, out, known).png)
