@@ -34,6 +34,7 @@ _COLOR, _TEXTURE_2D, _DEPTH_COMPONENT, _FLOAT = 0x1800, 0x0DE1, 0x1902, 0x1406
 _DEPTH_COMPONENT32F, _MAX_STORAGE_BLOCK, _MAX_TEXTURE = 0x8CAC, 0x90DE, 0x0D33
 _TEXTURE_2D_MULTISAMPLE, _DEPTH = 0x9100, 0x1801
 _MAX_VIEWPORT, _RGBA = 0x0D3A, 0x1908
+_MAX_DRAW_BUFFERS, _MAX_IMAGES = 0x8824, 0x90CE
 _VOID = ctypes.c_void_p
 _UINT, _INT, _BYTE = ctypes.c_uint, ctypes.c_int, ctypes.c_ubyte
 _SIGNATURES: dict[str, tuple[Any, ...]] = {
@@ -89,6 +90,8 @@ class Device:
         self.software = any(name in self.renderer.lower() for name in _SOFTWARE)
         self.limits_loops = "llvmpipe" in self.renderer
         self.max_block_bytes = self._integer(_MAX_STORAGE_BLOCK)
+        self.max_targets = self._integer(_MAX_DRAW_BUFFERS)
+        self.max_images = self._integer(_MAX_IMAGES)
         self.max_side = min(self._integer(_MAX_TEXTURE), self._integer(_MAX_VIEWPORT))
         self.programs: dict[tuple[str, str], moderngl.Program] = {}
 

@@ -10,7 +10,7 @@ import moderngl
 
 from oitbench.declare import Buffer, Draws, Method, Pass, Target
 from oitbench.effects import Effect
-from oitbench.errors import DeclarationError
+from oitbench.errors import CapabilityError, DeclarationError
 from oitbench.formats import Format
 from oitbench.gl import prelude
 from oitbench.gl.device import Device
@@ -151,6 +151,14 @@ def compile_pass(
     """
     device, geometry = blueprint.device, blueprint.geometry
     vertex, fragment = _sources(blueprint, step)
+    images = _images(blueprint, step, textures)
+    colors = [] if images else [textures[name] for name in step.writes]
+    limit = device.max_images if images else device.max_targets
+    if len(images or colors) > limit:
+        raise CapabilityError(
+            f"{blueprint.method.label}: {step.shader} writes {len(images or colors)} targets;"
+            f" {device.renderer} allows {limit}"
+        )
     program = _program(device, vertex, fragment)
     samplers: dict[str, moderngl.Texture | moderngl.TextureArray] = {
         f"{name}_texture": textures[name] for name in step.reads
@@ -161,13 +169,6 @@ def compile_pass(
     for unit, name in enumerate(used):
         # A program is shared by frames, but its samplers always come in this order.
         program[name] = unit
-    programmable = any(blend.programmable for blend in step.writes.values())
-    images: list[moderngl.Texture] = []
-    if programmable and blueprint.mechanism != prelude.FETCH:
-        images = [textures[name] for name in step.writes]
-        if blueprint.mechanism == prelude.SPIN_LOCK:
-            images.append(textures["lock"])
-    colors = [] if images else [textures[name] for name in step.writes]
     depth = None
     if step.draws is Draws.FRAGMENTS:
         depth = textures[step.depth or "opaque_depth"]
@@ -181,6 +182,17 @@ def compile_pass(
         place = attach(device, textures[name], target.texel)
         compiled.clears.append((place, target.texel, target.clear))
     return compiled
+
+
+def _images(
+    blueprint: Blueprint, step: Pass, textures: Mapping[str, moderngl.Texture]
+) -> list[moderngl.Texture]:
+    """Return the images that stand in for targets where shaders blend without fetching."""
+    programmable = any(blend.programmable for blend in step.writes.values())
+    if not programmable or blueprint.mechanism == prelude.FETCH:
+        return []
+    locks = ["lock"] if blueprint.mechanism == prelude.SPIN_LOCK else []
+    return [textures[name] for name in (*step.writes, *locks)]
 
 
 def attach(device: Device, texture: moderngl.Texture, entry: Format) -> moderngl.Framebuffer:
@@ -201,6 +213,7 @@ def _sources(blueprint: Blueprint, step: Pass) -> tuple[Source, Source]:
     declarations = (
         prelude.outputs(step, blueprint.declared, mechanism),
         prelude.reads(step, blueprint.declared, samples),
+        prelude.indexed(step, blueprint.declared),
         prelude.accessors(step, blueprint.buffers, blueprint.bindings, samples),
     )
     fragment.add_text("prelude (declarations)", "\n".join(declarations))

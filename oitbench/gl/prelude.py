@@ -5,7 +5,8 @@ A shader can use only what its pass declares, because nothing else is generated.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import re
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 from oitbench.declare import Blend, Buffer, Draws, Items, Method, Pass, Target
@@ -105,6 +106,35 @@ def _output(step: Pass, slot: int, name: str, kind: str, blend: Blend) -> list[s
         f"layout(location = 0, index = 0) out {kind} {name};",
         f"layout(location = 0, index = 1) out {kind} {name}_factor;",
     ]
+
+
+def families(names: Iterable[str]) -> dict[str, int]:
+    """Return the base names of numbered targets, as `slice` of `slice0`, `slice1`, with counts."""
+    numbered: dict[str, set[int]] = {}
+    for name in names:
+        match = re.fullmatch(r"(\D+)(\d+)", name)
+        if match is not None:
+            numbered.setdefault(match[1], set()).add(int(match[2]))
+    return {base: len(found) for base, found in numbered.items() if found == {*range(len(found))}}
+
+
+def indexed(step: Pass, targets: Mapping[str, Target]) -> str:
+    """Return access by index to numbered targets: `read_NAME(i)`, `get_NAME(i)`, `set_NAME(i, v)`.
+
+    Loops over them are of constant length, so compilers unroll them and no branch is left.
+    """
+    lines = []
+    for base, count in families(step.reads).items():
+        kind = _target(step, f"{base}0", targets).texel.glsl
+        cases = " ".join(f"if (i == {i}) return read_{base}{i}();" for i in range(1, count))
+        lines.append(f"{kind} read_{base}(int i) {{ {cases} return read_{base}0(); }}")
+    for base, count in families(step.writes).items():
+        kind = _target(step, f"{base}0", targets).texel.glsl
+        cases = " ".join(f"if (i == {i}) return {base}{i};" for i in range(1, count))
+        lines.append(f"{kind} get_{base}(int i) {{ {cases} return {base}0; }}")
+        cases = " ".join(f"if (i == {i}) {base}{i} = value;" for i in range(count))
+        lines.append(f"void set_{base}(int i, {kind} value) {{ {cases} }}")
+    return "\n".join(lines)
 
 
 def _programmable(step: Pass, targets: Mapping[str, Target], mechanism: str) -> str:

@@ -1,0 +1,12 @@
+// The core over the tail's weighted average over the background.
+#include "bounded_composite.glsl"
+
+void resolve() {
+    vec4 core = composite_nodes();
+    vec4 sum = read_tail();
+    float layers = max(read_count(), 1.0);
+    float covered = 1.0 - pow(max(1.0 - sum.a / layers, 0.0), layers);
+    // Where next to nothing hides, light adds up.
+    vec3 light = sum.rgb * (sum.a > 1e-4 ? covered / sum.a : 1.0);
+    color = core + (1.0 - core.a) * vec4(light, covered);
+}

@@ -1,0 +1,9 @@
+// Keeps the K nearest fragments. What hides nothing takes no node.
+#include "bounded_insert.glsl"
+
+void gather(Fragment fragment) {
+    Node node = node_of(fragment);
+    if (!hides_nothing(node.color)) {
+        insert(node);
+    }
+}
