@@ -136,7 +136,7 @@ def method_curve(
     CapabilityError
         If the method cannot render so many fragments here.
     """
-    rows = _RANDOM_ROWS if method.stochastic else 1
+    rows = _RANDOM_ROWS if method.noisy else 1
     straight = replace(camera, position=(0, 0, 0), target=(0, 0, -1), up=(0, 1, 0))
     scene = Scene("visibility", straight, lists=instrument(fragments, rows))
     geometry = Geometry(device, scene)

@@ -26,7 +26,7 @@ from oitbench import REPLACE, Draws, Effect, Method, Parameter, Pass, Target
 
 
 class HashedAlpha(Method):
-    stochastic = True
+    noisy = True
     expresses = Effect.COVERAGE
     parameters = {"scale": Parameter(1.0, low=0.01, high=64.0, help="side of a cell, pixels")}
     holds = frozenset({"U1", "U4", "U5", "U7", "U10"})

@@ -340,5 +340,5 @@ def _random_methods() -> Iterable[Check]:
         "pixels scatter no more than single independent samples would: T(1 − T)",
         (Picture(scene_of(lists, WHITE)),),
         scatter,
-        excuse=lambda method: "" if method.stochastic else "the method is not random",
+        excuse=lambda method: "" if method.noisy else "the method is not random",
     )

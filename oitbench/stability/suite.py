@@ -243,7 +243,7 @@ def _examine(
 
 def _copies(method: Method, picture: Picture) -> int:
     """Return how often each pixel of lists is repeated in a row and in a column."""
-    if not method.stochastic or picture.scene.lists is None:
+    if not method.noisy or picture.scene.lists is None:
         return 1
     width, height = picture.pixels
     return math.ceil(math.sqrt(_RANDOM_PIXELS / (width * height)))
@@ -275,7 +275,7 @@ def _judge(method: Method, comparison: Comparison) -> _Verdict:
     residual = _residual(comparison)
     error = float(np.abs(residual).max())
     noise = _SIGMAS * comparison.noise
-    if not method.stochastic or error <= bound or not np.isfinite(residual).all():
+    if not method.noisy or error <= bound or not np.isfinite(residual).all():
         return _Verdict(error, bound + noise, noise > 0)
     flat = residual.reshape(-1, residual.shape[-1])
     if comparison.noise:
