@@ -110,11 +110,15 @@ class Target:
         One value a component, set at the start of each frame.
     when : Effect
         Allocated only if one of these effects runs; NONE for always.
+    single : bool
+        Whether the target has one sample a pixel also in a multisampled frame. A pass that writes
+        such targets writes no others, and rasterizes pixel centers.
     """
 
     format: str
     clear: tuple[float, ...] = (0.0,)
     when: Effect = Effect.NONE
+    single: bool = False
 
     @property
     def texel(self) -> Format:
@@ -277,8 +281,10 @@ class Method:
     parameters: ClassVar[Mapping[str, Parameter]] = {}
     truth: ClassVar[Mapping[str, Value] | None] = None
     """Parameters under which the method is the suite's exact truth; None for all but one."""
-    stochastic: ClassVar[bool] = False
+    noisy: ClassVar[bool] = False
     """Whether the image is a random estimate, right in the mean over many pixels."""
+    quick: ClassVar[bool] = True
+    """Whether the preset that should take two minutes runs the method when none is named."""
 
     def __init__(self, **values: Value) -> None:
         for key in values:
@@ -313,7 +319,8 @@ class Method:
     def samples(self) -> int:
         """Samples a pixel: 1, or 4 for a multisampled frame whose `color` is averaged at its end.
 
-        Targets then have that many samples, and passes over pixels run once a sample.
+        Targets then have that many samples, unless they are `single`, and passes over pixels run
+        once a sample.
         """
         return 1
 

@@ -40,6 +40,8 @@ class Preset:
         Timed frames a variant at most; with 0 nothing is timed.
     budget : float
         Seconds of timing a scene after which no further round begins.
+    every : bool
+        Every method there is, or those alone that are `quick`.
     path_traced : bool
         Whether cells are held against path tracing too, or against the exact truth alone.
     """
@@ -48,11 +50,12 @@ class Preset:
     grid: bool
     rounds: int
     budget: float
+    every: bool = True
     path_traced: bool = True
 
 
 PRESETS = {
-    "quick": Preset((256, 256), grid=False, rounds=9, budget=4.0),
+    "quick": Preset((256, 256), grid=False, rounds=9, budget=4.0, every=False),
     "standard": Preset((512, 512), grid=True, rounds=15, budget=60.0),
     "paper": Preset((1280, 720), grid=True, rounds=31, budget=600.0),
     # What a check for regressions needs: metrics and counts, which every run repeats.
@@ -166,7 +169,7 @@ def plan(
     folders = tuple(Path(folder) for folder in collections)
     collection = Collection.load(folders)
     scene_labels = collection.expand_scenes(scenes or list(collection.scenes))
-    chosen_methods = collection.expand_methods(methods or _all_methods(collection, chosen.grid))
+    chosen_methods = collection.expand_methods(methods or _all_methods(collection, chosen))
     cells = tuple(
         Cell(scene, method.label, size, ssaa, effect, seed)
         for scene, method, effect in itertools.product(scene_labels, chosen_methods, effects)
@@ -177,11 +180,11 @@ def plan(
     )  # fmt: skip
 
 
-def _all_methods(collection: Collection, grid: bool) -> list[str]:
+def _all_methods(collection: Collection, preset: Preset) -> list[str]:
     texts = []
-    for name in collection.methods:
-        parameters = collection.methods[name].parameters if grid else {}
-        texts.append(name + _grid_text(parameters))
+    for name, method in collection.methods.items():
+        if preset.every or method.quick:
+            texts.append(name + _grid_text(method.parameters if preset.grid else {}))
     return texts
 
 

@@ -36,6 +36,7 @@ _ALL = 1 << 16
 
 
 class DepthPeeling(Method):
+    quick = False
     expresses = Effect.COVERAGE | Effect.COLORED_TRANSMISSION
     parameters = {
         "layers": Parameter(0, low=0, help="most layers to peel, 0 for all"),

@@ -26,6 +26,7 @@ from oitbench import REPLACE, Draws, Effect, Method, Parameter, Pass, Target
 
 
 class HashedAlpha(Method):
+    quick = False
     noisy = True
     expresses = Effect.COVERAGE
     parameters = {"scale": Parameter(1.0, low=0.01, high=64.0, help="side of a cell, pixels")}

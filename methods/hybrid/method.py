@@ -40,6 +40,7 @@ from oitbench.bounded_nodes import node_targets
 
 
 class Hybrid(Method):
+    quick = False
     expresses = Effect.COVERAGE
     parameters = {
         "k": Parameter(4, choices=(2, 4, 8), grid=(4, 8), help="nodes a pixel"),

@@ -40,6 +40,7 @@ from oitbench.bounded_nodes import NODES, node_targets
 
 
 class KBuffer(Method):
+    quick = False
     expresses = Effect.COVERAGE
     parameters = {
         "k": Parameter(8, choices=(1, 2, 4, 8, 16), grid=(4, 8, 16), help="nodes a pixel"),

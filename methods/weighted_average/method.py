@@ -30,6 +30,7 @@ from oitbench import ADD, OVER, Draws, Effect, Method, Parameter, Pass, Target
 
 
 class WeightedAverage(Method):
+    quick = False
     expresses = Effect.COVERAGE
     parameters = {
         "count": Parameter("r16f", choices=("r16f", "r32f"), help="format of the count"),

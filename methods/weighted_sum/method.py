@@ -24,6 +24,7 @@ from oitbench import ADD, OVER, Draws, Effect, Method, Parameter, Pass, Target
 
 
 class WeightedSum(Method):
+    quick = False
     expresses = Effect.COVERAGE
     parameters = {
         "clamp": Parameter(False, grid=(False, True), help="no negative background"),
