@@ -75,9 +75,8 @@ def traffic(frame: Frame, records: list[PassRecord]) -> list[Term]:
         What the frame's passes did, from `Frame.issue`.
     """
     pixels = frame.size[0] * frame.size[1]
-    texels = pixels * frame.samples
     terms = [
-        Term("clear", name, "clear", texels, target.texel.bytes)
+        Term("clear", name, "clear", _texels(frame, name), target.texel.bytes)
         for name, target in frame.resources.targets.items()
     ]
     for name, buffer in frame.resources.buffers.items():
@@ -85,14 +84,26 @@ def traffic(frame: Frame, records: list[PassRecord]) -> list[Term]:
             items = pixels if buffer.items is Items.PIXELS else frame.resources.records(name)
             terms.append(Term("clear", name, "clear", items, buffer.record_bytes))
     for step, record in zip(frame.passes, records, strict=True):
-        terms += _pass_terms(frame, step, record, texels)
+        terms += _pass_terms(frame, step, record)
     return [term for term in terms if term.items]
 
 
-def _pass_terms(frame: Frame, step: Pass, record: PassRecord, texels: int) -> list[Term]:
+def _texels(frame: Frame, target: str) -> int:
+    samples = 1 if frame.declared[target].single else frame.samples
+    return frame.size[0] * frame.size[1] * samples
+
+
+def _pass_terms(frame: Frame, step: Pass, record: PassRecord) -> list[Term]:
+    texels = _texels(frame, next(iter(step.writes), "color"))
     items = texels * record.runs if step.draws is Draws.PIXELS else record.fragments
     terms = [
-        Term(step.name, name, "clear", texels * record.runs, frame.declared[name].texel.bytes)
+        Term(
+            step.name,
+            name,
+            "clear",
+            _texels(frame, name) * record.runs,
+            frame.declared[name].texel.bytes,
+        )
         for name in step.clears
     ]
     for name in step.reads:

@@ -52,6 +52,12 @@ def method(text: str) -> Method:
     return found
 
 
+def stranger(text: str) -> Method:
+    """Return a method of a folder, which the other tests' collection does not learn of."""
+    (found,) = Collection.load().expand_methods([text])
+    return found
+
+
 def scene_of(lists: FragmentLists, background: RGB = BACKGROUND) -> Scene:
     camera = Camera(position=(0, 0, 0), target=(0, 0, -1), near=0.1)
     return Scene("lists", camera, lists=lists, background=background)
@@ -143,11 +149,10 @@ def step(target: Target, magnitude: float) -> float:
 def tolerance(chosen: Method, layers: int, magnitude: float) -> float:
     """Return the error that the method's formats allow for colors up to `magnitude`.
 
-    That is `rounding`; and a packed record holds 8 bits of color and opacity, each off by half a
-    step.
+    That is `rounding`; and a packed record holds color and opacity, each off by half a step.
     """
-    packed = chosen.values.get("node") == "compact"
-    quantization = layers * (1 + magnitude) / 510 if packed else 0.0
+    packed = 1 / 255 if chosen.values.get("node") == "compact" else chosen.record_step
+    quantization = layers * (1 + magnitude) * packed / 2
     return quantization + rounding(chosen, layers, magnitude)
 
 
@@ -163,6 +168,8 @@ def rounding(chosen: Method, layers: int, magnitude: float) -> float:
     for item in all_passes(chosen):
         writes = layers if item.draws is Draws.FRAGMENTS else 1
         for name in item.writes:
+            if targets[name].texel.integer:
+                continue  # its rounding is the record's
             quotient = name != "color" and targets[name].texel.dtype != "f1"
             error += writes * step(targets[name], 1.0) * magnitude * (2 if quotient else 1)
     if any(item.buffers for item in all_passes(chosen)):

@@ -15,7 +15,6 @@ import pytest
 
 from oitbench import accounting
 from oitbench.collection import folder_of
-from oitbench.declare import Method
 from oitbench.geometry import quad
 from oitbench.gl.device import Device
 from oitbench.oracle import composite, transmittances
@@ -36,6 +35,7 @@ from tests.helpers import (
     render,
     scene_of,
     stack,
+    stranger,
     write_method,
 )
 from tests.models import hashed_alpha as model
@@ -224,7 +224,7 @@ def probe(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def thresholds_of(
     device: Device, probe: Path, scene: Scene | FragmentLists, scale: float, side: int = 128
 ) -> npt.NDArray[np.float32]:
-    chosen: Method = method(f"{probe}[scale={scale}]")
+    chosen = stranger(f"{probe}[scale={scale}]")
     return render(device, scene, chosen, size=(side, side))[..., 0]
 
 

@@ -10,8 +10,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from oitbench import accounting
+from oitbench.geometry import quad
 from oitbench.gl.device import Device
 from oitbench.gl.steps import PassRecord
+from oitbench.scene import Camera, Material, Object, Scene
 from tests.helpers import (
     BACKGROUND,
     BLUE,
@@ -168,3 +170,79 @@ def test_hand_example_of_two_samples_shares(device: Device) -> None:
     found = render(device, scene_of(lists, BLUE), "stochastic[correction=none]")
     np.testing.assert_array_equal(found, np.broadcast_to(np.array([0.5, 0.0, 0.5]), found.shape))
     assert step(method("stochastic").targets["sum"], 1.0) == HALF
+
+
+@pytest.fixture
+def slanted() -> Scene:
+    """A pane seen at an angle before a wall that fills the view, and one that ends within it."""
+    pane = Object("pane", quad((0, 0, -5), (8, 0, 6), (0, 8, 1)), Material(0.5, emission=RED))
+    part = Object("part", quad((0, 0, -4), (0.9, 0.3, 0), (-0.3, 0.9, 0)), Material(0.5))
+    wall = Object("wall", quad((0, 3, -30), (99, 0, 0), (0, 3, 0)), Material(emission=WHITE))
+    return Scene("slanted", Camera((0, 0, 0), (0, 0, -1)), (pane, part, wall), background=BLUE)
+
+
+@pytest.mark.parametrize("samples", [1, 4])
+@pytest.mark.parametrize("correction", ["none", "depth"])
+def test_a_surface_always_sees_itself(
+    device: Device, slanted: Scene, correction: str, samples: int
+) -> None:
+    alone = replace(slanted, objects=slanted.objects[:1])
+    name = f"stochastic[correction={correction},msaa={samples},precision=float]"
+    found = render(device, alone, name, size=(96, 96))
+    # Half of 16 samples, in each pixel, at any angle.
+    np.testing.assert_allclose(found, np.full_like(found, 0.5) * [1, 0, 1], atol=1e-6)
+
+
+def test_edges_are_averaged_over_their_samples(device: Device, slanted: Scene) -> None:
+    size = (96, 96)
+    exact = render(device, slanted, "a_buffer", size=(384, 384))
+    smooth = exact.reshape(96, 4, 96, 4, 3).mean(axis=(1, 3))
+    error = {}
+    for samples in (1, 4):
+        name = f"stochastic[samples=64,precision=float,msaa={samples}]"
+        error[samples] = abs(render(device, slanted, name, size=size) - smooth).mean(axis=-1)
+    assert error[4].mean() < 0.6 * error[1].mean()
+    assert np.quantile(error[4], 0.999) < 0.15
+
+
+def test_several_samples_share_one_set_of_depths(device: Device, slanted: Scene) -> None:
+    name = "stochastic[samples=16,msaa=4]"
+    with opened(device, slanted, name, (64, 48)) as frame:
+        # Salvi et al. 2011, table 1: 91.4 MBytes of 1280 x 720 pixels.
+        bits = accounting.memory(frame)["bits_per_pixel"]
+        assert bits == 8 * (4 * 16 + 10 * 4)
+        assert bits / 8 * 1280 * 720 / 2**20 == pytest.approx(91.4, abs=0.05)
+        frame.render()
+        records: list[PassRecord] = []
+        frame.issue(records)
+        terms = accounting.traffic(frame, records)
+        clears = {t.resource: t.items for t in terms if t.kind == "clear"}
+        assert clears["depths0"] == 64 * 48
+        assert clears["sum"] == clears["total"] == 4 * 64 * 48
+        cover = next(t for t in terms if t.pass_.startswith("cover") and t.kind == "write")
+        gather = next(t for t in terms if t.pass_.startswith("gather") and t.kind == "write")
+        assert 3.9 * cover.items < gather.items < 4.1 * cover.items
+        centers = frame.read("depths0")
+    with opened(device, slanted, "stochastic[samples=16]", (64, 48)) as frame:
+        frame.render()
+        np.testing.assert_array_equal(frame.read("depths0"), centers)
+
+
+def test_pictures_of_whole_pixels_are_the_same_with_several_samples(device: Device) -> None:
+    for correction in CORRECTIONS:
+        one, four = (
+            render(device, random_lists(6), f"stochastic[correction={correction},msaa={n}]")
+            for n in (1, 4)
+        )
+        np.testing.assert_array_equal(one, four)
+
+
+@pytest.mark.parametrize("correction", CORRECTIONS)
+def test_coincident_layers_pass_their_product_and_stay_in_bounds(
+    device: Device, correction: str
+) -> None:
+    pair = scene_of(stack([Layer(2.0, 0.5, NOTHING)] * 2), WHITE)
+    found = render(device, pair, f"stochastic[correction={correction}]")
+    assert (found >= 0).all()
+    if correction != "none":
+        assert found == pytest.approx(np.full_like(found, 0.25), abs=HALF)

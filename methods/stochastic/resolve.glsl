@@ -2,7 +2,8 @@
 void resolve() {
     vec4 gathered = read_sum();
 #if CORRECTION == CORRECTION_NONE
-    color = gathered;
+    // A sample shows one layer, but for those of one depth and those that miss a pixel's center.
+    color = gathered / max(gathered.a, 1.0);
 #else
     float covered = 1.0 - read_total();
     // A half float's transmittance near one is too coarse to divide by.

@@ -94,6 +94,8 @@ class Frame:
         }
         shared = {n: device.texture(size, self.declared[n].texel, self.samples) for n in _SHARED}
         self.textures = {**self.resources.textures, **shared}
+        if self.samples > 1 and any(target.single for target in targets.values()):
+            self.textures["opaque_depth_single"] = device.texture(size, DEPTH.texel)
         self._blueprint = Blueprint(
             device, geometry, method, folder_of(type(method)), effects, self.declared, buffers,
             bindings, self.samples, self.mechanism or "",
@@ -110,7 +112,7 @@ class Frame:
         self._framebuffers = {
             name: attach(device, texture, self.declared[name].texel)
             for name, texture in self.textures.items()
-            if name != "opaque_depth"
+            if name in self.declared and name != "opaque_depth"
         }
 
     # -- preparation ---------------------------------------------------------------------------
@@ -190,6 +192,8 @@ class Frame:
                 self.device, self.geometry, self._view, behind, self.declared["color"],
                 self.samples, transmittance,
             )  # fmt: skip
+            if "opaque_depth_single" in self.textures:
+                self._draw_opaque_single()
             self._transmittance = transmittance
         self.sort(permutation)
         for _ in range(_ATTEMPTS):
@@ -200,6 +204,15 @@ class Frame:
         raise CapabilityError(
             f"{self.method.label}: buffers still overflow after {_ATTEMPTS} frames"
         )
+
+    def _draw_opaque_single(self) -> None:
+        """Render the opaque depth at pixel centers, for targets of one sample a pixel."""
+        color = self.device.texture(self.size, self.declared["color"].texel)
+        behind = (color, self.textures["opaque_depth_single"])
+        draw_opaque(
+            self.device, self.geometry, self._view, behind, self.declared["color"], 1, False
+        )
+        color.release()
 
     def issue(self, records: list[PassRecord] | None = None, check: bool = True) -> Counts | None:
         """Issue the frame's draws; return what each tile needs if fragments did not fit.
@@ -247,7 +260,8 @@ class Frame:
         """Read a target as float32 [h, w, components], top row first; samples are averaged."""
         entry = self.declared[target].texel
         texture = self.textures[target]
-        if self.samples > 1:
+        several = self.samples > 1 and not self.declared[target].single
+        if several:
             texture = self.device.texture(self.size, entry)
             framebuffer = attach(self.device, texture, entry)
             framebuffer.use()  # without a scissor
@@ -256,7 +270,7 @@ class Frame:
         kinds = {"f1": np.uint8, "f2": np.float16, "f4": np.float32, "u4": np.uint32}
         data = np.frombuffer(texture.read(), dtype=kinds[entry.dtype])
         texels = data.reshape(self.size[1], self.size[0], entry.components)[::-1]
-        if self.samples > 1:
+        if several:
             texture.release()
         scale = np.float32(1 / 255 if entry.dtype == "f1" else 1)
         return np.asarray(texels.astype(np.float32) * scale)
@@ -269,7 +283,7 @@ class Frame:
             sequence.indices.release()
         for framebuffer in self._framebuffers.values():
             framebuffer.release()
-        for name in _SHARED:
+        for name in {*self.textures} - {*self.resources.textures}:
             self.textures[name].release()
         self._view.release()
         self.resources.release()

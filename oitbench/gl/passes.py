@@ -170,8 +170,10 @@ def compile_pass(
         # A program is shared by frames, but its samplers always come in this order.
         program[name] = unit
     depth = None
-    if step.draws is Draws.FRAGMENTS:
-        depth = textures[step.depth or "opaque_depth"]
+    # A framebuffer must have something, also where the pass writes nothing but buffers.
+    if step.draws is Draws.FRAGMENTS or not colors:
+        centers = blueprint.samples > 1 and prelude.single(step, blueprint.declared)
+        depth = textures[step.depth or ("opaque_depth_single" if centers else "opaque_depth")]
     framebuffer = device.context.framebuffer(colors, depth)
     writes_depth = depth_writes or step.depth is not None
     compiled = CompiledPass(
@@ -204,7 +206,8 @@ def attach(device: Device, texture: moderngl.Texture, entry: Format) -> moderngl
 
 def _sources(blueprint: Blueprint, step: Pass) -> tuple[Source, Source]:
     """Return the vertex and the fragment shader of `step`."""
-    samples, mechanism = blueprint.samples, blueprint.mechanism
+    mechanism = blueprint.mechanism
+    samples = 1 if prelude.single(step, blueprint.declared) else blueprint.samples
     extensions = prelude.extensions(step, mechanism, samples)
     fragment = Source(blueprint.folder, extensions=extensions)
     fragment.add_text("prelude (macros)", prelude.macros(blueprint.method, blueprint.effects))
@@ -212,7 +215,7 @@ def _sources(blueprint: Blueprint, step: Pass) -> tuple[Source, Source]:
     fragment.add_file("view.glsl")
     declarations = (
         prelude.outputs(step, blueprint.declared, mechanism),
-        prelude.reads(step, blueprint.declared, samples),
+        prelude.reads(step, blueprint.declared, blueprint.samples),
         prelude.indexed(step, blueprint.declared),
         prelude.accessors(step, blueprint.buffers, blueprint.bindings, samples),
     )

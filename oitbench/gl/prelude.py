@@ -203,6 +203,14 @@ def extensions(step: Pass, mechanism: str, samples: int) -> tuple[str, ...]:
     return tuple(names)
 
 
+def single(step: Pass, targets: Mapping[str, Target]) -> bool:
+    """Tell whether the pass writes targets of one sample a pixel, whatever the frame has."""
+    kinds = {_target(step, name, targets).single for name in step.writes}
+    if len(kinds) > 1:
+        raise DeclarationError(f"{step.shader}: all targets or none must be single")
+    return kinds == {True}
+
+
 def reads(step: Pass, targets: Mapping[str, Target], samples: int = 1) -> str:
     """Return `read_NAME()` for each target that the pass reads; of several samples, its own."""
     lines = []
@@ -211,8 +219,9 @@ def reads(step: Pass, targets: Mapping[str, Target], samples: int = 1) -> str:
         if name in step.writes:
             raise DeclarationError(f"{step.shader}: reads and writes '{name}' in one pass")
         swizzle = {1: ".r", 2: ".rg"}.get(entry.components, "")
-        sampler = f"{'u' if entry.integer else ''}sampler2D{'MS' if samples > 1 else ''}"
-        which = "gl_SampleID" if samples > 1 else "0"
+        several = samples > 1 and not targets[name].single
+        sampler = f"{'u' if entry.integer else ''}sampler2D{'MS' if several else ''}"
+        which = "gl_SampleID" if several else "0"
         lines += [
             f"uniform {sampler} {name}_texture;",
             f"{entry.glsl} read_{name}(ivec2 pixel) {{"

@@ -94,7 +94,7 @@ class Resources:
     block_limit : int
         Bytes that one storage block may have.
     samples : int
-        Samples a pixel of every target.
+        Samples a pixel of every target that is not single.
     """
 
     def __init__(
@@ -112,7 +112,8 @@ class Resources:
         self.bindings, self.block_limit = bindings, block_limit
         self.tiles = (math.ceil(size[1] / TILE), math.ceil(size[0] / TILE))
         self.textures = {
-            name: device.texture(size, target.texel, samples) for name, target in targets.items()
+            name: device.texture(size, target.texel, self.samples_of(name))
+            for name, target in targets.items()
         }
         self._blocks: dict[tuple[str, str], moderngl.Buffer] = {}
         self._allocators: dict[str, moderngl.Buffer] = {}
@@ -127,6 +128,10 @@ class Resources:
             words = math.prod(self.tiles) * len(bindings.slots)
             self._counters = device.context.buffer(reserve=4 * words)
             self._counters.clear()
+
+    def samples_of(self, target: str) -> int:
+        """Return how many samples a pixel a target has."""
+        return 1 if self.targets[target].single else self.samples
 
     @property
     def listed(self) -> list[str]:
@@ -224,7 +229,8 @@ class Resources:
 
     def copy(self, source: str, target: str) -> None:
         """Copy one target's texels to another of its format."""
-        self.device.copy(self.textures[source], self.textures[target], self.size, self.samples)
+        samples = self.samples_of(target)
+        self.device.copy(self.textures[source], self.textures[target], self.size, samples)
 
     def take_counts(self) -> dict[tuple[str, str, str], int]:
         """Return the accesses counted since the last call, by (buffer, field, kind)."""
@@ -239,8 +245,10 @@ class Resources:
     def memory(self) -> list[tuple[str, int]]:
         """Return (resource, bytes) of all that the method's declaration allocated."""
         pixels = self.size[0] * self.size[1]
-        texels = pixels * self.samples
-        terms = [(name, target.texel.bytes * texels) for name, target in self.targets.items()]
+        terms = [
+            (name, target.texel.bytes * pixels * self.samples_of(name))
+            for name, target in self.targets.items()
+        ]
         terms += [
             (name, buffer.record_bytes * self._records.get(name, 0))
             for name, buffer in self.buffers.items()
