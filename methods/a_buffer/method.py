@@ -14,6 +14,9 @@ node : what a fragment's record holds. `precise` has 32 bytes: next, depth, and 
 resolve : `sorted` composites the nearest records first (AT eq. 3); lists that are too long for
     local arrays are merge-sorted in their links. `iterative` multiplies the visibility of each
     record over all nearer ones (AT eq. 2): no local array, quadratic in list reads.
+msaa : 4 resolves each of four samples by itself, from the records whose coverage mask has it. The
+    mask is in the low four bits of the record's depth, which are left out where depths are compared
+    (AT section 4.2): depths that differ by less than two millionths of themselves count as equal.
 
 Memory 4 B/pixel + 12 (or 32) B/fragment. Records come from one counter for each screen tile of
 64 x 64 pixels: a single counter is contended by every fragment of the frame. When a tile's share
@@ -33,7 +36,6 @@ from oitbench import (
     Buffer,
     Draws,
     Effect,
-    Items,
     Loop,
     Method,
     Parameter,
@@ -41,13 +43,9 @@ from oitbench import (
     Step,
     Target,
 )
+from oitbench.linked_lists import CAPTURE, LISTS, linked_lists
 
 _ROUNDS = 1 << 16
-_LINK = {"next": "uint", "depth": "float"}
-_NODES = {
-    "precise": {**_LINK, "front": "vec4", "back": "vec2"},
-    "compact": {**_LINK, "color": "uint"},
-}
 
 
 class ABuffer(Method):
@@ -56,8 +54,9 @@ class ABuffer(Method):
             "precise", choices=("precise", "compact"), grid=("precise", "compact"), help="record"
         ),
         "resolve": Parameter("sorted", choices=("sorted", "iterative"), help="compositing"),
+        "msaa": Parameter(1, choices=(1, 4), help="samples a pixel"),
     }
-    truth = {"node": "precise", "resolve": "sorted"}
+    truth = {"node": "precise", "resolve": "sorted", "msaa": 1}
 
     @property
     def holds(self) -> frozenset[str]:
@@ -80,19 +79,19 @@ class ABuffer(Method):
         return {"color": Target("rgba32f" if self.text("node") == "precise" else "rgba16f")}
 
     @property
+    def samples(self) -> int:
+        return int(self.values["msaa"])
+
+    @property
     def buffers(self) -> Mapping[str, Buffer]:
-        return {
-            "heads": Buffer({"first": "uint"}, Items.PIXELS, clear=0xFFFFFFFF),
-            "nodes": Buffer(_NODES[self.text("node")], Items.FRAGMENTS),
-        }
+        return linked_lists(self.text("node"))
 
     @property
     def passes(self) -> tuple[Step, ...]:
-        lists = ("heads", "nodes")
         shader = f"resolve_{self.text('resolve')}.glsl"
-        resolve = Pass(shader, Draws.PIXELS, writes={"color": COMPOSITE}, buffers=lists)
-        loop = Loop((resolve,), times=_ROUNDS, until_empty=resolve.name)
-        return (
-            Pass("capture.glsl", Draws.FRAGMENTS, buffers=lists),
-            resolve if self.text("resolve") == "sorted" else loop,
-        )
+        resolve = Pass(shader, Draws.PIXELS, writes={"color": COMPOSITE}, buffers=LISTS)
+        if self.text("resolve") == "iterative":
+            return (CAPTURE, Loop((resolve,), times=_ROUNDS, until_empty=resolve.name))
+        # The samples of a pixel share its list, so only one of them may sort it.
+        long = Pass("sort_long.glsl", Draws.PIXELS, buffers=LISTS)
+        return (CAPTURE, long, resolve) if self.samples > 1 else (CAPTURE, resolve)

@@ -1,42 +1,25 @@
-// What a record holds, and the order of records: by depth, ties by content, never by arrival.
-// Batches are held field by field: llvmpipe miscompiles local arrays of structures.
+// The order of layers: by depth, ties by content, never by arrival. And batches of layers, held field
+// by field: llvmpipe miscompiles local arrays of structures.
+#include "list_record.glsl"
+
 const int BATCH = 32;
-float batch_depth[BATCH];
+float batch_stored[BATCH];
 
 #if NODE == NODE_PRECISE
-
-struct Layer {
-    float depth;   // m
-    vec4 front;    // alpha L, tau.r
-    vec2 back;     // tau.gb
-};
-
-Layer load_layer(uint node) {
-    return Layer(nodes_depth(node), nodes_front(node), nodes_back(node));
-}
-
-void store_layer(uint node, vec3 color, vec3 factor, float net_opacity, float depth) {
-    set_nodes_depth(node, depth);
-    set_nodes_front(node, vec4(color, factor.r));
-    set_nodes_back(node, factor.gb);
-}
-
-vec3 layer_color(Layer layer) { return layer.front.rgb; }
-vec3 layer_factor(Layer layer) { return vec3(layer.front.a, layer.back); }
 
 vec4 batch_front[BATCH];
 vec2 batch_back[BATCH];
 
-Layer batch_layer(int i) { return Layer(batch_depth[i], batch_front[i], batch_back[i]); }
+Layer batch_layer(int i) { return Layer(batch_stored[i], batch_front[i], batch_back[i]); }
 
 void set_batch_layer(int i, Layer layer) {
-    batch_depth[i] = layer.depth;
+    batch_stored[i] = layer.stored;
     batch_front[i] = layer.front;
     batch_back[i] = layer.back;
 }
 
 bool nearer(Layer a, Layer b) {
-    if (a.depth != b.depth) return a.depth < b.depth;
+    if (layer_depth(a) != layer_depth(b)) return layer_depth(a) < layer_depth(b);
     if (a.front.x != b.front.x) return a.front.x < b.front.x;
     if (a.front.y != b.front.y) return a.front.y < b.front.y;
     if (a.front.z != b.front.z) return a.front.z < b.front.z;
@@ -47,34 +30,18 @@ bool nearer(Layer a, Layer b) {
 
 #else
 
-struct Layer {
-    float depth;   // m
-    uint color;    // alpha L, net opacity; 8 bits each
-};
-
-Layer load_layer(uint node) {
-    return Layer(nodes_depth(node), nodes_color(node));
-}
-
-void store_layer(uint node, vec3 color, vec3 factor, float net_opacity, float depth) {
-    set_nodes_depth(node, depth);
-    set_nodes_color(node, packUnorm4x8(vec4(color, net_opacity)));
-}
-
-vec3 layer_color(Layer layer) { return unpackUnorm4x8(layer.color).rgb; }
-vec3 layer_factor(Layer layer) { return vec3(1.0 - unpackUnorm4x8(layer.color).a); }
-
 uint batch_color[BATCH];
 
-Layer batch_layer(int i) { return Layer(batch_depth[i], batch_color[i]); }
+Layer batch_layer(int i) { return Layer(batch_stored[i], batch_color[i]); }
 
 void set_batch_layer(int i, Layer layer) {
-    batch_depth[i] = layer.depth;
+    batch_stored[i] = layer.stored;
     batch_color[i] = layer.color;
 }
 
 bool nearer(Layer a, Layer b) {
-    return a.depth < b.depth || (a.depth == b.depth && a.color < b.color);
+    if (layer_depth(a) != layer_depth(b)) return layer_depth(a) < layer_depth(b);
+    return a.color < b.color;
 }
 
 #endif

@@ -26,10 +26,11 @@ void resolve() {
             bool equal = !nearer(front, layer) && !nearer(layer, front);
             bool hides = equal ? (other != node && !seen_self) : nearer(front, layer);
             seen_self = seen_self || other == node;
-            visible *= hides ? layer_factor(front) : vec3(1.0);
-            total *= layer_factor(front);
+            vec3 factor = layer_seen(front) ? layer_factor(front) : vec3(1.0);
+            visible *= hides ? factor : vec3(1.0);
+            total *= factor;
         }
-        sum += visible * layer_color(layer);
+        sum += layer_seen(layer) ? visible * layer_color(layer) : vec3(0.0);
         node = nodes_next(node);
     }
     // The background is attenuated once; later rounds only add.

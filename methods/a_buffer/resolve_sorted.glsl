@@ -1,5 +1,5 @@
 // Composites a list front to back: a short one is sorted in local arrays, a long one in its links.
-#include "node.glsl"
+#include "sort_list.glsl"
 
 vec3 sum = vec3(0.0);
 vec3 visible = vec3(1.0);
@@ -19,81 +19,30 @@ void insert(Layer layer, int count) {
     set_batch_layer(place, layer);
 }
 
-// Merges two sorted lists; returns the first node of the result.
-uint merge(uint a, uint b) {
-    Layer front = load_layer(a);
-    Layer back = load_layer(b);
-    uint head = NONE;
-    uint tail = NONE;
-    while (a != NONE && b != NONE) {
-        bool second = nearer(back, front);
-        uint taken = second ? b : a;
-        if (tail == NONE) {
-            head = taken;
-        } else {
-            set_nodes_next(tail, taken);
-        }
-        tail = taken;
-        uint next = nodes_next(taken);
-        if (next != NONE) {
-            Layer layer = load_layer(next);
-            if (second) {
-                back = layer;
-            } else {
-                front = layer;
-            }
-        }
-        a = second ? a : next;
-        b = second ? next : b;
-    }
-    set_nodes_next(tail, a == NONE ? b : a);
-    return head;
-}
-
-// Sorts a list by merging: run k has 2^k nodes, as the digits of a binary counter carry.
-uint sort_list(uint node) {
-    const int RUNS = 24;
-    uint runs[RUNS];
-    for (int k = 0; k < RUNS; ++k) {
-        runs[k] = NONE;
-    }
-    while (node != NONE) {
-        uint next = nodes_next(node);
-        set_nodes_next(node, NONE);
-        int k = 0;
-        while (k < RUNS - 1 && runs[k] != NONE) {
-            node = merge(runs[k], node);
-            runs[k] = NONE;
-            ++k;
-        }
-        runs[k] = node;
-        node = next;
-    }
-    uint head = NONE;
-    for (int k = 0; k < RUNS; ++k) {
-        if (runs[k] != NONE) {
-            head = head == NONE ? runs[k] : merge(runs[k], head);
-        }
-    }
-    return head;
-}
-
 void resolve() {
     uint head = heads_first(pixel_index());
     int count = 0;
+    int kept = 0;
     for (uint node = head; node != NONE && count <= BATCH; node = nodes_next(node)) {
-        if (count < BATCH) {
-            insert(load_layer(node), count);
+        Layer layer = load_layer(node);
+        if (count < BATCH && layer_seen(layer)) {
+            insert(layer, kept++);
         }
         ++count;
     }
     if (count <= BATCH) {
-        for (int i = 0; i < count; ++i) {
+        for (int i = 0; i < kept; ++i) {
             composite(batch_layer(i));
         }
     } else {
-        for (uint node = sort_list(head); node != NONE; node = nodes_next(node)) {
-            composite(load_layer(node));
+#if MSAA == 1
+        head = sort_list(head);  // else done once a pixel, by sort_long.glsl
+#endif
+        for (uint node = head; node != NONE; node = nodes_next(node)) {
+            Layer layer = load_layer(node);
+            if (layer_seen(layer)) {
+                composite(layer);
+            }
         }
     }
     color = vec4(sum, 1.0);

@@ -1,0 +1,9 @@
+// The background is seen through all layers.
+#include "absorbance.glsl"
+
+void resolve() {
+    for (int i = 0; i < TERMS / 4; ++i) {
+        set_terms(i, read_curve(i));
+    }
+    color = vec4(background_factor(visibility(1.0)), 1.0);
+}

@@ -1,0 +1,11 @@
+// Adds what the fragment absorbs to the curve.
+#include "absorbance.glsl"
+
+void gather(Fragment fragment) {
+    begin_curve();
+    float u = relative_depth(fragment.z, read_bounds());
+    deposit(u, absorbance(served_factor(transmittance(fragment))));
+    for (int i = 0; i < TERMS / 4; ++i) {
+        set_curve(i, four_terms(i));
+    }
+}

@@ -1,0 +1,17 @@
+// Turns a list round in its links, so that it begins with the fragment submitted first.
+#include "list_record.glsl"
+
+void resolve() {
+    if (!list_owner()) {
+        return;
+    }
+    uint node = heads_first(pixel_index());
+    uint behind = NONE;
+    while (node != NONE) {
+        uint next = nodes_next(node);
+        set_nodes_next(node, behind);
+        behind = node;
+        node = next;
+    }
+    set_heads_first(pixel_index(), behind);
+}
