@@ -8,10 +8,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from oitbench import accounting
+from oitbench.geometry import quad
 from oitbench.gl.device import Device
 from oitbench.gl.frame import Image
 from oitbench.oracle import composite
-from oitbench.scene import FragmentLists
+from oitbench.scene import Camera, FragmentLists, Material, Object, Scene
 from tests.helpers import (
     BACKGROUND,
     BLUE,
@@ -151,6 +152,21 @@ def test_clear_layers_do_not_thin_out_the_mean(device: Device) -> None:
 def test_memory_follows_from_the_formats(device: Device, name: str, bits: int) -> None:
     with opened(device, scene_of(random_lists(1)), name) as frame:
         assert accounting.memory(frame)["bits_per_pixel"] == bits
+
+
+def test_several_samples_average_what_each_pixel_covers(device: Device) -> None:
+    half = quad((0, 0, -4), (0.9, 0.3, 0), (-0.3, 0.9, 0))
+    pane = Object("pane", half, Material(0.5, emission=RED))
+    scene = Scene("edges", Camera((0, 0, 0), (0, 0, -1)), (pane,), background=BLUE)
+    smooth = render(device, scene, "weighted_blended", size=(256, 256))
+    smooth = smooth.reshape(64, 4, 64, 4, 3).mean(axis=(1, 3))
+    one, four = (
+        abs(render(device, scene, f"weighted_blended[msaa={n}]", size=(64, 64)) - smooth)
+        for n in (1, 4)
+    )
+    assert four.mean() < 0.6 * one.mean()
+    # A sample of four stands for four of the sixteen.
+    assert four.max() <= 0.5 * 3 / 16 + 0.01
 
 
 @pytest.mark.parametrize("equation", [7, 10])

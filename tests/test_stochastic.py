@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from oitbench import accounting
@@ -48,6 +48,8 @@ def allowed(count: int, covered: float) -> float:
     samples=st.sampled_from([4, 12, 32, 48, 64]),
     seed=st.integers(0, 65535),
 )
+@example(count=5, correction="none", samples=64, seed=3)
+@example(count=5, correction="alpha", samples=48, seed=4)
 def test_pictures_are_those_of_the_model(
     device: Device, count: int, correction: str, samples: int, seed: int
 ) -> None:
