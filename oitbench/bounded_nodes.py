@@ -10,6 +10,8 @@ EMPTY = 0x7F7FFFFF
 """Depth of a node that holds no fragment: the bits of the largest float."""
 NODES: Mapping[str, int] = {"8-bit": 1, "16f": 2, "32f": 4}
 """Words of 32 bits that a node's color takes, by format: premultiplied color and net opacity."""
+STEPS: Mapping[str, float] = {"8-bit": 1 / 255, "16f": 2.0**-11, "32f": 2.0**-24}
+"""Distance of neighboring colors and opacities just below one, by format."""
 _FORMATS = {1: "r32ui", 2: "rg32ui", 4: "rgba32ui"}
 
 

@@ -1,6 +1,8 @@
-// Keeps the nearest fragment beyond the one peeled last; the depth test finds the nearest.
+// Keeps the nearest fragment beyond the one peeled last; the depth test finds the nearest. What
+// covers nothing is no layer.
 void gather(Fragment fragment) {
-    if (fragment.depth <= read_peeled() || fragment.depth >= read_opaque_depth()) {
+    bool between = fragment.depth > read_peeled() && fragment.depth < read_opaque_depth();
+    if (!between || fragment.coverage <= 0.0) {
         discard;
     }
     layer = vec4(fragment.coverage * fragment.radiance, 1.0);

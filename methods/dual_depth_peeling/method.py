@@ -7,12 +7,12 @@ with A the fourth channel. A geometry pass composites the fragments at the two d
 before has found, and finds the next two with a maximum of (-depth, depth) over the fragments
 between them. Depths are compared bit for bit, near before far, so an odd last layer is taken once.
 Colored transmission has its own opacity a channel, o = 1 - tau, and three fronts and backs. Peeling
-ends after the first pass that passes no sample, n/2 + 2 geometry passes for n layers.
+ends after the first pass that passes no sample: n/2 + 2 geometry passes for n layers.
 
 Parameters
 ----------
 layers : the most layers to peel, 0 for all. Each pass takes two, so odd numbers are rounded up, and
-    what remains unseen lies in the middle of the stack.
+    what remains unseen lies in the middle of the stack. What covers nothing is no layer.
 
 Memory 48 B/pixel; 112 where transmission is colored.
 
@@ -50,6 +50,7 @@ _TINTED = Effect.COLORED_TRANSMISSION
 
 
 class DualDepthPeeling(Method):
+    quick = False
     quick = False
     expresses = Effect.COVERAGE | Effect.COLORED_TRANSMISSION
     parameters = {"layers": Parameter(0, low=0, help="most layers to peel, 0 for all")}

@@ -5,7 +5,7 @@
 void gather(Fragment fragment) {
     float near = -read_edges().x;
     float far = read_edges().y;
-    if (fragment.depth < near || fragment.depth > far) {
+    if (fragment.depth < near || fragment.depth > far || fragment.coverage <= 0.0) {
         discard;
     }
     bool nearest = fragment.depth == near;

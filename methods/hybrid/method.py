@@ -36,7 +36,7 @@ from oitbench import (
     Step,
     Target,
 )
-from oitbench.bounded_nodes import node_targets
+from oitbench.bounded_nodes import STEPS, node_targets
 
 
 class Hybrid(Method):
@@ -52,6 +52,10 @@ class Hybrid(Method):
         held = {"U1", "U2", "U3", "U4", "U5", "U7", "U8", "U9"}
         # Nodes of 8 bits clip.
         return frozenset(held if self.text("node") == "8-bit" else held | {"U10"})
+
+    @property
+    def record_step(self) -> float:
+        return STEPS[self.text("node")]
 
     @property
     def targets(self) -> Mapping[str, Target]:

@@ -36,7 +36,7 @@ from oitbench import (
     Step,
     Target,
 )
-from oitbench.bounded_nodes import NODES, node_targets
+from oitbench.bounded_nodes import NODES, STEPS, node_targets
 
 
 class KBuffer(Method):
@@ -53,6 +53,10 @@ class KBuffer(Method):
         held |= {"U9"} if int(self.values["k"]) > 1 else set()
         # Nodes of 8 bits clip.
         return frozenset(held if self.text("node") == "8-bit" else held | {"U10"})
+
+    @property
+    def record_step(self) -> float:
+        return STEPS[self.text("node")]
 
     @property
     def targets(self) -> Mapping[str, Target]:

@@ -38,7 +38,7 @@ from oitbench import (
     Step,
     Target,
 )
-from oitbench.bounded_nodes import NODES, node_targets
+from oitbench.bounded_nodes import NODES, STEPS, node_targets
 
 
 class MultilayerAlpha(Method):
@@ -53,6 +53,11 @@ class MultilayerAlpha(Method):
         held = {"U1", "U2", "U3", "U6", "U7", "U8", "U9"}
         # Nodes of 8 bits clip.
         return frozenset(held if self.text("node") == "8-bit" else held | {"U10"})
+
+    @property
+    def record_step(self) -> float:
+        # Every merge rounds again.
+        return 2 * STEPS[self.text("node")]
 
     @property
     def targets(self) -> Mapping[str, Target]:

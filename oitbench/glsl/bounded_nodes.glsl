@@ -51,8 +51,6 @@ struct Node {
     Color color;
 };
 
-const uint EMPTY = 0x7F7FFFFFu;   // the largest float: depth of a node that holds no fragment
-
 uint part(uint texel, int i) { return texel; }
 uint part(uvec2 texel, int i) { return texel[i]; }
 uint part(uvec4 texel, int i) { return texel[i]; }

@@ -1,0 +1,113 @@
+"""Methods that keep k nodes a pixel, in double precision; only what is stored is rounded."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from oitbench.scene import FragmentLists
+from tests.models.commutative import layers_of
+
+Array64 = npt.NDArray[np.float64]
+_EMPTY = float(np.finfo(np.float32).max)
+_TIES = {"8-bit": (3, 2, 1, 0), "16f": (1, 0, 3, 2), "32f": (0, 1, 2, 3)}
+"""Channels by which nodes of equal depth are ordered: the packed words, high bits first."""
+
+
+def stored(color: Array64, node: str) -> Array64:
+    """Return colors and opacities as a node of the format holds them."""
+    if node == "8-bit":
+        return np.asarray(np.rint(np.clip(color, 0, 1) * 255) / 255)
+    kind = np.float16 if node == "16f" else np.float32
+    return np.asarray(np.clip(color, 0, np.finfo(kind).max).astype(kind).astype(np.float64))
+
+
+@dataclass
+class Nodes:
+    """Nodes of every pixel, near to far: depth (k, h, w), color and opacity (k, h, w, 4)."""
+
+    depth: Array64
+    color: Array64
+    node: str
+
+    def insert(self, depth: Array64, color: Array64) -> Array64:
+        """Insert one node in every pixel; return the color that falls out, zero if none does."""
+        for place in range(len(self.depth)):
+            kept_depth, kept = self.depth[place].copy(), self.color[place].copy()
+            before = self._before(depth, color, kept_depth, kept)
+            self.depth[place] = np.where(before, depth, kept_depth)
+            self.color[place] = np.where(before[..., None], color, kept)
+            depth = np.where(before, kept_depth, depth)
+            color = np.where(before[..., None], kept, color)
+        return color
+
+    def _before(
+        self, depth: Array64, color: Array64, other_depth: Array64, other: Array64
+    ) -> npt.NDArray[np.bool_]:
+        before = depth < other_depth
+        equal = depth == other_depth
+        for channel in _TIES[self.node]:
+            before |= equal & (color[..., channel] < other[..., channel])
+            equal &= color[..., channel] == other[..., channel]
+        return np.asarray(before)
+
+    def composite(self) -> Array64:
+        """Return premultiplied color and opacity of all nodes."""
+        total = np.zeros(self.color.shape[1:])
+        for layer in self.color:
+            total += (1 - total[..., 3:]) * layer
+        return total
+
+
+def gathered(
+    lists: FragmentLists, k: int, node: str, merging: bool = False
+) -> tuple[Nodes, list[Array64]]:
+    """Insert all fragments as submitted; return the nodes, and what fell out of them.
+
+    With `merging`, what falls out is composited into the last node.
+    """
+    color, opacity = layers_of(lists)
+    layers = stored(np.concatenate([color, opacity[..., None]], axis=-1), node)
+    shape = (k, *lists.z.shape[1:])
+    nodes = Nodes(np.full(shape, _EMPTY), np.zeros((*shape, 4)), node)
+    fallen = []
+    for depth, layer in zip(lists.z.astype(np.float64), layers, strict=True):
+        # What hides nothing is as far as an empty node, and goes behind all that are.
+        depth = np.where(layer.any(axis=-1), depth, np.inf)
+        out = nodes.insert(depth, layer)
+        fallen.append(out)
+        if merging:
+            last = nodes.color[-1]
+            nodes.color[-1] = stored(last + (1 - last[..., 3:]) * out, node)
+    return nodes, fallen
+
+
+def _over(front: Array64, background: npt.ArrayLike) -> Array64:
+    return np.asarray(front[..., :3] + (1 - front[..., 3:]) * np.asarray(background))
+
+
+def k_buffer(lists: FragmentLists, background: npt.ArrayLike, k: int, node: str) -> Array64:
+    """Return the k nearest layers over the background."""
+    return _over(gathered(lists, k, node)[0].composite(), background)
+
+
+def multilayer_alpha(lists: FragmentLists, background: npt.ArrayLike, k: int, node: str) -> Array64:
+    """Return all layers, merged as they came; Salvi & Vaidyanathan 2014."""
+    return _over(gathered(lists, k, node, merging=True)[0].composite(), background)
+
+
+def hybrid(lists: FragmentLists, background: npt.ArrayLike, k: int, node: str) -> Array64:
+    """Return the k nearest layers over the weighted average of all others; Maule et al. 2013."""
+    nodes, fallen = gathered(lists, k, node)
+    total, number = np.zeros(fallen[0].shape), np.zeros(fallen[0].shape[:-1])
+    for layer in fallen:
+        total = stored(total + layer, "16f")
+        number += layer[..., 3] > 0
+    number, opacity = np.maximum(number, 1), total[..., 3]
+    covered = 1 - (1 - opacity / number) ** number
+    factor = np.divide(covered, opacity, out=np.ones_like(opacity), where=opacity > 1e-4)
+    tail = np.concatenate([total[..., :3] * factor[..., None], covered[..., None]], axis=-1)
+    core = nodes.composite()
+    return _over(core + (1 - core[..., 3:]) * tail, background)
