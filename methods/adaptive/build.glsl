@@ -9,7 +9,6 @@ void gather(Fragment fragment) {
         for (int i = 0; i < TARGETS; ++i) {
             unpack_nodes(i, get_nodes(i));
         }
-        node_through[NODES] = total();
         insert(packed_depth(curve_depth(fragment)), factor);
         for (int i = 0; i < TARGETS; ++i) {
             set_nodes(i, packed_nodes(i));

@@ -25,7 +25,6 @@ void take_out(int depth_gone, int through_gone) {
         node_through[i] = i < through_gone ? node_through[i] : node_through[i + 1];
     }
     node_depth[NODES] = FAR;
-    node_through[NODES] = node_through[NODES - 1];
 }
 
 // Weighs what the curve's integral would change by without node i, of which `front` is the one in
