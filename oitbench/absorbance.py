@@ -28,7 +28,7 @@ from oitbench.declare import (
     Target,
 )
 from oitbench.effects import Effect
-from oitbench.linked_lists import CAPTURE, LISTS, linked_lists
+from oitbench.linked_lists import CAPTURE, LISTS, RECORD_STEPS, linked_lists
 from oitbench.selector import Parameter
 
 _NO_BOUNDS = -1e38
@@ -65,6 +65,11 @@ class AbsorbanceMap(Method):
         held = {"U1", "U2", "U4", "U6", "U7"}
         held |= {"U2c"} if self._tinted else set()
         return frozenset(held | ({"U10"} if self._precise else set()))
+
+    @property
+    def record_step(self) -> float:
+        """That of lists; terms are floats."""
+        return 0.0 if self._fixed else RECORD_STEPS[self.text("node")]
 
     @property
     def samples(self) -> int:

@@ -14,6 +14,8 @@ from __future__ import annotations
 from oitbench.declare import Buffer, Draws, Items, Pass
 
 _LINK = {"next": "uint", "depth": "float"}
+RECORD_STEPS = {"precise": 0.0, "compact": 1 / 255}
+"""`Method.record_step` by kind of record."""
 LISTS = ("heads", "nodes")
 """The buffers, by name."""
 CAPTURE = Pass("capture.glsl", Draws.FRAGMENTS, buffers=LISTS)

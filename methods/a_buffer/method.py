@@ -43,7 +43,7 @@ from oitbench import (
     Step,
     Target,
 )
-from oitbench.linked_lists import CAPTURE, LISTS, linked_lists
+from oitbench.linked_lists import CAPTURE, LISTS, RECORD_STEPS, linked_lists
 
 _ROUNDS = 1 << 16
 
@@ -63,6 +63,10 @@ class ABuffer(Method):
         held = {"U1", "U2", "U3", "U4", "U5", "U6", "U7", "U8", "U9", "U11"}
         # A packed record is grey and clips.
         return frozenset(held | {"U2c", "U10"} if self.text("node") == "precise" else held)
+
+    @property
+    def record_step(self) -> float:
+        return RECORD_STEPS[self.text("node")]
 
     @property
     def expresses(self) -> Effect:

@@ -55,7 +55,7 @@ from oitbench import (
     Step,
     Target,
 )
-from oitbench.linked_lists import LISTS, REVERSE, linked_lists
+from oitbench.linked_lists import LISTS, RECORD_STEPS, REVERSE, linked_lists
 
 _FAR, _FAR_PACKED = 2.0**127, 0xFE0000FF  # nodes that hide nothing
 _MOST_FLOAT_NODES = 16
@@ -81,6 +81,11 @@ class Adaptive(Method):
         # Underestimates hide all that lies behind an opaque layer.
         held |= {"U5"} if self.text("removal") == "under" else set()
         return frozenset(held | ({"U10"} if self._precise else set()))
+
+    @property
+    def record_step(self) -> float:
+        packed = "compact" if self._packed else "precise"
+        return RECORD_STEPS[packed if self._fixed else self.text("node")]
 
     @property
     def expresses(self) -> Effect:
