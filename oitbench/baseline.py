@@ -31,7 +31,12 @@ Row = Mapping[str, Value]
 """A cell as flat fields: `exact.rmse_lin`, `traffic.bytes`, `effects.missing`, …"""
 
 FORMAT = 1
-METRICS = (*metrics.NAMES, metrics.TRANSMITTANCE, metrics.ORDER_SPREAD)
+METRICS = (
+    *metrics.NAMES,
+    metrics.TRANSMITTANCE,
+    metrics.ORDER_SPREAD_MAX,
+    metrics.ORDER_SPREAD_MEAN,
+)
 TRUTHS = (EXACT, PATH_TRACED)
 _DIGITS = 5
 _DECIMALS = 6

@@ -39,6 +39,9 @@ class Cell:
     effects : str
         "called", "all", "none", or names to leave out, as in "-diffusion,-refraction".
     seed : int
+    permutations : int
+        Random orders of the draws in which the image is rendered once more, without sub-pixels, to
+        see how far it depends on them.
     """
 
     scene: str
@@ -47,6 +50,7 @@ class Cell:
     ssaa: int = 2
     effects: str = "called"
     seed: int = 1
+    permutations: int = 4
 
     @property
     def variant(self) -> dict[str, Any]:
@@ -165,6 +169,7 @@ class Bench:
         with self.watch.running("rendering"):
             image, transmittance, complexity = self._accurate(stage, method, fine, effects, cell)
             cost = self._cost(stage.geometry, method, cell.size, effects)
+            spread = self._order_spread(stage.geometry, method, cell, effects)
         relative = image_path(cell.key, "color")
         images.write_exr(self.folder / relative, image)
         nonfinite = metrics.count_nonfinite(image)
@@ -173,6 +178,7 @@ class Bench:
             exact[metrics.TRANSMITTANCE] = metrics.rmse_transmittance(
                 stage.exact_transmittance, transmittance
             )
+        exact |= spread
         scores, traced_image = (
             self._path_traced(cell, scene, image) if path_traced else ({"reason": _LEFT_OUT}, {})
         )
@@ -256,6 +262,20 @@ class Bench:
         }
         frame.release()
         return cost
+
+    def _order_spread(
+        self, geometry: Geometry, method: Method, cell: Cell, effects: Effect
+    ) -> dict[str, float | None]:
+        frame = Frame(self.device, geometry, method, cell.size, effects)
+
+        def permuted() -> Iterator[Image]:
+            for number in range(1, cell.permutations + 1):
+                frame.render(permutation=number)
+                yield frame.image()
+
+        spread = metrics.order_spread(permuted())
+        frame.release()
+        return spread
 
     def _path_traced(self, cell: Cell, scene: Scene, image: Image) -> tuple[Record, dict[str, str]]:
         """Hold the image against the path-traced truth, or say why there is none."""

@@ -40,6 +40,8 @@ class Preset:
         Timed frames a variant at most; with 0 nothing is timed.
     budget : float
         Seconds of timing a scene after which no further round begins.
+    permutations : int
+        Random orders of the draws in which every image is rendered once more.
     every : bool
         Every method there is, or those alone that are `quick`.
     path_traced : bool
@@ -50,14 +52,15 @@ class Preset:
     grid: bool
     rounds: int
     budget: float
+    permutations: int = 4
     every: bool = True
     path_traced: bool = True
 
 
 PRESETS = {
     "quick": Preset((256, 256), grid=False, rounds=9, budget=4.0, every=False),
-    "standard": Preset((512, 512), grid=True, rounds=15, budget=60.0),
-    "paper": Preset((1280, 720), grid=True, rounds=31, budget=600.0),
+    "standard": Preset((512, 512), grid=True, rounds=15, budget=60.0, permutations=16),
+    "paper": Preset((1280, 720), grid=True, rounds=31, budget=600.0, permutations=16),
     # What a check for regressions needs: metrics and counts, which every run repeats.
     "guard": Preset((128, 128), grid=False, rounds=0, budget=0.0, path_traced=False),
 }
@@ -171,7 +174,7 @@ def plan(
     scene_labels = collection.expand_scenes(scenes or list(collection.scenes))
     chosen_methods = collection.expand_methods(methods or _all_methods(collection, chosen))
     cells = tuple(
-        Cell(scene, method.label, size, ssaa, effect, seed)
+        Cell(scene, method.label, size, ssaa, effect, seed, chosen.permutations)
         for scene, method, effect in itertools.product(scene_labels, chosen_methods, effects)
     )
     return Plan(

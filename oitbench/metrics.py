@@ -7,7 +7,7 @@ exposure, clip, sRGB); `flip_hdr@67ppd`, `rmse_lin` and `relmse_lin(eps=1e-2)` s
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 import numpy as np
@@ -24,8 +24,10 @@ RMSE = "rmse_lin"
 RELMSE = "relmse_lin(eps=1e-2)"
 TRANSMITTANCE = "rmse_transmittance"
 """RMSE of a method's total transmittance, for those that have one."""
-ORDER_SPREAD = "order_spread_rmse_lin"
-"""Largest RMSE between an image and those of permuted submissions."""
+ORDER_SPREAD_MAX = "order_spread_max_lin"
+"""Largest difference that permuting the draws makes to any channel of any pixel."""
+ORDER_SPREAD_MEAN = "order_spread_mean_lin"
+"""The same, in the mean over channels and pixels."""
 
 HIGHER_IS_BETTER = frozenset({SSIM, PSNR})
 NAMES = (FLIP_LDR, FLIP_HDR, SSIM, PSNR, RMSE, RELMSE)
@@ -219,17 +221,37 @@ def rmse_transmittance(reference: npt.ArrayLike, test: npt.ArrayLike) -> float |
     return float(np.sqrt(((guess - truth) ** 2).mean()))
 
 
-def order_spread(image: npt.ArrayLike, permuted: Sequence[npt.ArrayLike]) -> float | None:
-    """Return the largest RMSE between `image` and those of the same scene submitted otherwise.
+def order_spread(permuted: Iterable[npt.ArrayLike]) -> dict[str, float | None]:
+    """Return how far images of one scene are apart whose draws were submitted in other orders.
+
+    Parameters
+    ----------
+    permuted : iterable of array, shape (h, w, 3)
+        Looked at one after another, so that a generator needs no memory for all.
 
     Returns
     -------
-    float or None
-        None if nothing was permuted or a pixel is not finite.
+    dict
+        `ORDER_SPREAD_MAX` and `ORDER_SPREAD_MEAN` of each channel's greatest less its least value;
+        None with fewer than two images, or if a pixel is not finite.
     """
-    errors = [rmse(image, other) for other in permuted]
-    known = [error for error in errors if error is not None]
-    return max(known) if known and len(known) == len(errors) else None
+    low: Image | None = None
+    high: Image | None = None
+    count = 0
+    for other in permuted:
+        image = images.check(other)
+        count += 1
+        low = image if low is None else np.minimum(low, image)
+        high = image if high is None else np.maximum(high, image)
+    if count < 2 or low is None or high is None:
+        return {ORDER_SPREAD_MAX: None, ORDER_SPREAD_MEAN: None}
+    # NaN survives minimum and maximum; equal infinities must not pass for no spread.
+    known = bool(np.isfinite(low).all() and np.isfinite(high).all())
+    spread = high.astype(np.float64) - low if known else None
+    return {
+        ORDER_SPREAD_MAX: None if spread is None else float(spread.max()),
+        ORDER_SPREAD_MEAN: None if spread is None else float(spread.mean()),
+    }
 
 
 def compare(

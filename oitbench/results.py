@@ -224,7 +224,7 @@ def flat(record: Mapping[str, Any]) -> dict[str, Any]:
     }
     for truth in TRUTHS:
         row |= {f"{truth}.{name}": metric(record, truth, name) for name in metrics.NAMES}
-    for name in (metrics.TRANSMITTANCE, metrics.ORDER_SPREAD):
+    for name in (metrics.TRANSMITTANCE, metrics.ORDER_SPREAD_MAX, metrics.ORDER_SPREAD_MEAN):
         row[f"{EXACT}.{name}"] = metric(record, EXACT, name)
     for name in (metrics.FLIP_LDR, metrics.FLIP_HDR, metrics.RMSE):
         row[f"noise_floor.{name}"] = noise_floor(record, name)

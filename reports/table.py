@@ -72,7 +72,7 @@ def _ranks(panel: Panel, metric: str) -> dict[str, str]:
 
 def _columns(flip: str) -> tuple[Column, ...]:
     rank_help = "place within the scene by path-traced FLIP; = marks ties within the noise floor"
-    spread_help = "largest RMSE between submissions in different orders; 0 is order independent"
+    spread_help = "of a channel between random orders of the draws, linear; 0 is order independent"
     return (
         Column("scene", "Scene", kind="text"),
         Column("method", "Method", kind="method"),
@@ -96,7 +96,18 @@ def _columns(flip: str) -> tuple[Column, ...]:
             decimals=5,
             help="RMSE of the total transmittance",
         ),
-        Column(f"exact.{metrics.ORDER_SPREAD}", "Order spread", decimals=5, help=spread_help),
+        Column(
+            f"exact.{metrics.ORDER_SPREAD_MAX}",
+            "Order spread",
+            decimals=5,
+            help=f"largest difference {spread_help}",
+        ),
+        Column(
+            f"exact.{metrics.ORDER_SPREAD_MEAN}",
+            "mean spread",
+            decimals=5,
+            help=f"mean difference {spread_help}",
+        ),
         Column("frame_ms", "Frame", "ms", help="median frame time"),
         Column("frame_ms_low", "low", "ms", help="lower end of the 95 % interval"),
         Column("frame_ms_high", "high", "ms", help="upper end of the 95 % interval"),
@@ -124,7 +135,8 @@ def _row(results: Results, panel: Panel, cell: Record, ranks: dict[str, str]) ->
         read.metric(cell, EXACT, metrics.SSIM),
         read.metric(cell, EXACT, metrics.RMSE),
         read.metric(cell, EXACT, metrics.TRANSMITTANCE),
-        read.metric(cell, EXACT, metrics.ORDER_SPREAD),
+        read.metric(cell, EXACT, metrics.ORDER_SPREAD_MAX),
+        read.metric(cell, EXACT, metrics.ORDER_SPREAD_MEAN),
         *time,
         read.total(cell, "memory", read.MEBIBYTE),
         read.total(cell, "traffic", read.MEGABYTE),

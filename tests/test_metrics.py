@@ -211,13 +211,24 @@ def test_small_images_have_no_ssim() -> None:
     assert metrics.compare(small, small, 0.0)[metrics.RMSE] == 0
 
 
-def test_transmittance_and_order_spread(picture: images.Image) -> None:
+def test_transmittance(picture: images.Image) -> None:
     grey = picture.mean(axis=-1)
     assert metrics.rmse_transmittance(picture, grey) == pytest.approx(0, abs=1e-7)
     assert metrics.rmse_transmittance(grey, grey + 0.5) == pytest.approx(0.5)
     assert metrics.rmse_transmittance(grey, grey * np.nan) is None
     with pytest.raises(ValueError, match="have shapes"):
         metrics.rmse_transmittance(grey, grey[1:])
-    spread = metrics.order_spread(picture, [picture, picture + np.float32(0.25)])
-    assert spread == pytest.approx(0.25)
-    assert metrics.order_spread(picture, []) is None
+
+
+def test_order_spread_is_the_range_of_each_channel(picture: images.Image) -> None:
+    brighter, darker = picture.copy(), picture.copy()
+    brighter[0, 0, 0] += np.float32(0.25)
+    darker[0, 0, 0] -= np.float32(0.125)
+    found = metrics.order_spread([picture, brighter, darker])
+    assert found[metrics.ORDER_SPREAD_MAX] == pytest.approx(0.375)
+    assert found[metrics.ORDER_SPREAD_MEAN] == pytest.approx(0.375 / picture.size)
+    nothing = {metrics.ORDER_SPREAD_MAX: None, metrics.ORDER_SPREAD_MEAN: None}
+    assert metrics.order_spread([]) == metrics.order_spread([picture]) == nothing
+    assert metrics.order_spread([picture, picture * np.nan]) == nothing
+    endless = np.full_like(picture, np.inf)
+    assert metrics.order_spread([endless, endless]) == nothing
