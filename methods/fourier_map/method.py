@@ -37,6 +37,7 @@ from oitbench.absorbance import AbsorbanceMap
 
 
 class FourierMap(AbsorbanceMap):
+    quick = False
     parameters = {
         "coefficients": Parameter(15, choices=(7, 15, 31), help="terms of the series"),
         "lanczos": Parameter(False, help="damp high harmonics"),

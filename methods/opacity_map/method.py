@@ -35,6 +35,7 @@ from oitbench.absorbance import AbsorbanceMap
 
 
 class OpacityMap(AbsorbanceMap):
+    quick = False
     parameters = {
         "slices": Parameter(16, choices=(4, 8, 16, 32), help="steps of a curve"),
         **AbsorbanceMap.parameters,
