@@ -64,7 +64,7 @@ def test_every_cell_becomes_one_record(finished: Path) -> None:
 def test_a_record_holds_all_that_reports_need(finished: Path) -> None:
     record = next(r for r in records_of(finished) if r["method"] == "a_buffer[node=compact]")
     assert record["name"] == "a_buffer"
-    assert record["params"] == {"node": "compact", "resolve": "sorted"}
+    assert record["params"] == {"node": "compact", "resolve": "sorted", "msaa": 1}
     assert record["size"] == list(SIZE)
     assert record["effects"] == {"called": ["COVERAGE"], "expressed": ["COVERAGE"], "missing": []}
     layers = 3 if record["scene"] == "calm" else 5

@@ -51,7 +51,6 @@ _TINTED = Effect.COLORED_TRANSMISSION
 
 class DualDepthPeeling(Method):
     quick = False
-    quick = False
     expresses = Effect.COVERAGE | Effect.COLORED_TRANSMISSION
     parameters = {"layers": Parameter(0, low=0, help="most layers to peel, 0 for all")}
 
