@@ -132,14 +132,16 @@ def test_packed_nodes_follow_the_model_with_its_quantization(
     assert abs(rounded - expected(drawn, nodes, removal)[0]).max() > 1 / 255
 
 
-def test_packed_records_follow_the_model_of_what_they_hold(device: Device) -> None:
+@pytest.mark.parametrize("channels", ["grey", "rgb"])
+def test_packed_records_follow_the_model_of_what_they_hold(device: Device, channels: str) -> None:
     drawn = lists(4, 20)
-    opacity = np.round((1 - transmittances(drawn).mean(axis=-1)) * 255) / 255
+    factors = transmittances(drawn)
+    opacity = np.round((1 - factors.mean(axis=-1, keepdims=True)) * 255) / 255
     color = np.round(drawn.coverage[..., None].astype(np.float64) * drawn.radiance * 255) / 255
-    truth = model.composite(
-        drawn.z.astype(np.float64), color, 1 - opacity[..., None], BACKGROUND, 5
-    )
-    assert_agrees(render(device, drawn, "adaptive[nodes=5]"), truth, 2.0**-10)
+    held = 1 - opacity if channels == "grey" else np.round(factors * 255) / 255
+    truth = model.composite(drawn.z.astype(np.float64), color, held, BACKGROUND, 5)
+    found = render(device, drawn, f"adaptive[nodes=5,channels={channels}]")
+    assert_agrees(found, truth, 2.0**-10 * max(1.0, float(truth[0].max())))
 
 
 @pytest.mark.parametrize("memory", MEMORIES)
