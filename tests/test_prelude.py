@@ -169,3 +169,28 @@ def test_the_tables_of_sizes_agree_with_their_names() -> None:
         digits = int("".join(c for c in name if c.isdigit()))
         assert 8 * entry.bytes == digits * entry.components, name
     assert all(size == 4 * int(kind[-1]) for kind, size in GLSL_BYTES.items() if "vec" in kind)
+
+
+def test_numbered_targets_are_reached_by_index() -> None:
+    slices = {f"slice{i}": Target("rg32f") for i in range(2)}
+    written = prelude.indexed(gather(writes=dict.fromkeys(slices, ADD)), slices)
+    assert "vec2 get_slice(int i) { if (i == 1) return slice1; return slice0; }" in written
+    assert "if (i == 0) slice0 = value; if (i == 1) slice1 = value;" in written
+    read = prelude.indexed(gather(reads=tuple(slices)), slices)
+    assert "vec2 read_slice(int i) { if (i == 1) return read_slice1(); return read_slice0(); }" in (
+        read
+    )
+
+
+@pytest.mark.parametrize(
+    ("names", "found"),
+    [
+        (["slice0", "slice1", "color"], {"slice": 2}),
+        (["slice1", "slice0", "front0"], {"slice": 2, "front": 1}),
+        (["slice1", "slice2"], {}),
+    ],
+)
+def test_only_targets_numbered_from_zero_are_a_family(
+    names: list[str], found: dict[str, int]
+) -> None:
+    assert prelude.families(names) == found
