@@ -61,6 +61,7 @@ _AT_ONCE = 32
 
 class Stochastic(Method):
     noisy = True
+    quick = False
     expresses = Effect.COVERAGE
     parameters = {
         "samples": Parameter(
