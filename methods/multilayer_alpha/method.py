@@ -42,6 +42,7 @@ from oitbench.bounded_nodes import NODES, STEPS, node_targets
 
 
 class MultilayerAlpha(Method):
+    quick = False
     expresses = Effect.COVERAGE
     parameters = {
         "k": Parameter(4, choices=(2, 4, 8, 16), grid=(4, 8, 16), help="nodes a pixel"),
