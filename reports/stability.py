@@ -12,7 +12,7 @@ from oitbench.report import Artifact, Column, Note, decimal, write_table
 from oitbench.report.artifacts import Value
 from oitbench.results import Results
 from oitbench.stability import files
-from oitbench.stability.suite import BREAKS, DOES_NOT_APPLY, HOLDS, Finding
+from oitbench.stability.finding import BREAKS, DOES_NOT_APPLY, HOLDS, Finding
 
 title = "Stability"
 order = 60

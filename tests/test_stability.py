@@ -18,8 +18,8 @@ from oitbench.results import Results
 from oitbench.scene import WHITE
 from oitbench.stability import files, suite
 from oitbench.stability.check import Bound, Check, Comparison, Picture
+from oitbench.stability.finding import BREAKS, DOES_NOT_APPLY, HOLDS, Finding
 from oitbench.stability.layers import Layer, columns, scene_of, stack
-from oitbench.stability.suite import BREAKS, DOES_NOT_APPLY, HOLDS, Finding
 from oitbench.stability.tolerance import allowed
 from tests.helpers import collection, method, write_method
 

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from oitbench.errors import UsageError
-from oitbench.stability.suite import BREAKS, DOES_NOT_APPLY, HOLDS, Finding
+from oitbench.stability.finding import BREAKS, DOES_NOT_APPLY, HOLDS, Finding
 
 if TYPE_CHECKING:
     from rich.table import Table
