@@ -35,7 +35,9 @@ Known failures: more than N layers darken (`under`) or brighten (`over`) the pic
 order of submission shows. Many faint layers of like strength darken most, because the area of each
 removal is small and their sum is not. Coplanar layers come out too bright. Packed nodes round
 transmittance to 1/255 at each insertion, so layers that hide less than half a step leave no trace:
-of hundreds of faint layers, 32 packed nodes show far less than 16 of floats.
+of hundreds of faint layers, 32 packed nodes show far less than 16 of floats. Against the paper's
+ranking, 16 nodes err more than 16 stochastic samples on the 650-layer lists of the tests (mean
+error 0.022 against 0.013); 32 nodes err less than 64 samples.
 """
 
 from collections.abc import Mapping
