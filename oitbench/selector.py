@@ -81,7 +81,7 @@ def parse(text: str) -> Selector:
 
     Examples
     --------
-    >>> parse("a_buffer[node=precise,compact,resolve=sorted]").grid
+    >>> parse("painter[node=precise,compact,resolve=sorted]").grid
     {'node': ('precise', 'compact'), 'resolve': ('sorted',)}
     """
     match = _PATTERN.match(text.strip())
