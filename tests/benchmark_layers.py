@@ -85,7 +85,8 @@ def plot(times: Times, methods: list[Method], known: list[str]) -> None:
         axes.set_xlim(COUNTS[0] * 0.9, COUNTS[-1] * 6)
         axes.set_xlabel("layers a pixel")
         axes.set_ylabel(f"frame time at {SIDE}×{SIDE}, ms")
-        labels.place(axes, marks)
+        curves = [(list(points), list(points.values())) for points in times.values()]
+        labels.place(axes, marks, lines=curves)
         caption = "Frame time against layers a pixel; the number is the fitted exponent."
         figures.save(figure, OUT / "layers", title="Cost of a layer", caption=caption)
 
@@ -101,8 +102,9 @@ def main(texts: list[str]) -> None:
         writer.writerow(["method", *(f"{count} layers, ms" for count in COUNTS), "slope"])
         for label, points in times.items():
             row = [label, *(f"{points[c]:.2f}" if c in points else "" for c in COUNTS)]
-            writer.writerow([*row, f"{slope(points):.2f}"])
-            print(f"{label:40} {' '.join(f'{value:>9}' for value in row[1:])}  {row[-1]}")
+            row.append(f"{slope(points):.2f}")
+            writer.writerow(row)
+            print(f"{label:40} {' '.join(f'{value:>9}' for value in row[1:])}")
     plot(times, methods, list(collection.methods))
     print(f"written to {OUT}/layers.png")
 
