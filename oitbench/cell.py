@@ -165,7 +165,7 @@ class Bench:
         stage = self._prepare(cell)
         scene = stage.scene
         called = choose_effects(cell.effects, scene.effects)
-        effects = called & method.expresses
+        effects = called & method.shows
         with self.watch.running("rendering"):
             image, transmittance, complexity = self._accurate(stage, method, fine, effects, cell)
             cost = self._cost(stage.geometry, method, cell.size, effects)
@@ -190,7 +190,7 @@ class Bench:
             "effects": {
                 "called": names(called & scene.effects),
                 "expressed": names(effects),
-                "missing": names(called & scene.effects & ~method.expresses),
+                "missing": names(called & scene.effects & ~method.shows),
             },
             "max_depth_complexity": complexity,
             **cost,
@@ -219,7 +219,7 @@ class Bench:
             geometry = Geometry(self.device, scene)
             truth = self.collection.truth()
             fine = (cell.size[0] * cell.ssaa, cell.size[1] * cell.ssaa)
-            frame = Frame(self.device, geometry, truth, fine, scene.effects & truth.expresses)
+            frame = Frame(self.device, geometry, truth, fine, scene.effects & truth.shows)
             exact, transmittance = _both(frame, cell.ssaa)
             frame.release()
         images.write_exr(self.folder / self._shared_image(cell, "exact"), exact)

@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import ClassVar
 
-from oitbench.effects import Effect
+from oitbench.effects import SHADING, Effect
 from oitbench.errors import UsageError, unknown
 from oitbench.formats import GLSL_BYTES, Format, find
 from oitbench.selector import Parameter, Value, variant
@@ -307,8 +307,13 @@ class Method:
 
     @property
     def expresses(self) -> Effect:
-        """Effects that the method can show; others that a scene calls for are listed as missing."""
+        """Effects of compositing that the method can show; see `shows`."""
         return Effect.NONE
+
+    @property
+    def shows(self) -> Effect:
+        """What a picture by this method can show: what it expresses, and all shading."""
+        return self.expresses | SHADING
 
     @property
     def requires(self) -> tuple[str, ...]:

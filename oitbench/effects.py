@@ -17,7 +17,7 @@ class Effect(enum.Flag):
     COLORED_TRANSMISSION = enum.auto()
     """Some transmission differs between wavelengths."""
     REFRACTION = enum.auto()
-    """Some refractive index differs from one."""
+    """Some solid has a refractive index other than one."""
     DIFFUSION = enum.auto()
     """Some collimation is below one: light that passes is spread."""
     SHADOWS = enum.auto()
@@ -30,8 +30,21 @@ class Effect(enum.Flag):
     """A light and a refracting caster."""
     VOLUME = enum.auto()
     """A participating medium."""
+    AMBIENT_OCCLUSION = enum.auto()
+    """Surfaces hide the environment light from each other."""
     INFERRED_AO = enum.auto()
     """Ambient occlusion over foliage of binary coverage."""
+
+
+SHADING = (
+    Effect.SHADOWS
+    | Effect.TRANSLUCENT_SHADOWS
+    | Effect.COLORED_SHADOWS
+    | Effect.CAUSTICS
+    | Effect.AMBIENT_OCCLUSION
+    | Effect.INFERRED_AO
+)
+"""What happens before compositing, and so is the same for every method."""
 
 
 def names(effects: Effect) -> list[str]:

@@ -54,7 +54,7 @@ def render(
     if len(chosen) != 1:
         raise UsageError(f"'{method}' stands for {len(chosen)} methods; name one")
     described = collection.build_scene(scene)
-    running = choose_effects(effects, described.effects) & chosen[0].expresses
+    running = choose_effects(effects, described.effects) & chosen[0].shows
     device = Device()
     fine = (size[0] * ssaa, size[1] * ssaa)
     check_size(device, fine)

@@ -13,114 +13,25 @@ import numpy as np
 import numpy.typing as npt
 
 from oitbench.effects import Effect
-from oitbench.errors import SceneError
+from oitbench.lights import DirectionalLight, EnvironmentLight, Light, Medium, SpotLight
+from oitbench.material import BLACK, RGB, WHITE, Array, Material, Texture, is_grey
+from oitbench.values import require as _require
+from oitbench.values import require_finite as _finite
 
-RGB = tuple[float, float, float]
-Array = npt.NDArray[np.float32]
-BLACK: RGB = (0.0, 0.0, 0.0)
-WHITE: RGB = (1.0, 1.0, 1.0)
-
-
-def _require(condition: bool, message: str) -> None:
-    if not condition:
-        raise SceneError(message)
-
-
-def _finite(owner: str, **arrays: npt.ArrayLike | None) -> None:
-    for name, values in arrays.items():
-        if values is not None and not np.isfinite(np.asarray(values, dtype=np.float64)).all():
-            raise SceneError(f"{owner}: {name} holds NaN or infinity; every value must be finite")
-
-
-def is_grey(color: RGB) -> bool:
-    """Tell whether the three channels of `color` are equal."""
-    return color[0] == color[1] == color[2]
-
-
-@dataclass(frozen=True, eq=False)
-class Texture:
-    """A picture wrapped round uv ∈ [0, 1]², clamped at its edges.
-
-    Parameters
-    ----------
-    texels : array, shape (h, w) or (h, w, 3), float32
-        One channel for coverage, three for radiance; the first row is at v = 1 (top). Both sides
-        must be powers of two, so that every mip level halves exactly.
-    """
-
-    texels: Array
-
-    def __post_init__(self) -> None:
-        shape = self.texels.shape
-        _require(
-            len(shape) == 2 or (len(shape) == 3 and shape[2] == 3),
-            f"texture: texels are {shape}; give (h, w) for coverage or (h, w, 3) for radiance",
-        )
-        for side in shape[:2]:
-            _require(
-                side > 0 and side & (side - 1) == 0, f"texture: side {side} is no power of two"
-            )
-        _finite("texture", texels=self.texels)
-
-
-@dataclass(frozen=True, eq=False)
-class Material:
-    """How a surface covers, transmits, emits and reflects light.
-
-    Parameters
-    ----------
-    coverage : float or Texture
-        Fraction α of the surface that is there at all, in [0, 1].
-    transmission : RGB
-        Fraction t of the light that passes where the surface is, per channel in [0, 1].
-    emission : RGB or Texture
-        Radiance L that leaves the covered surface, W·sr⁻¹·m⁻² on an arbitrary scale.
-    albedo : RGB
-        Diffuse reflectance under the scene's lights.
-    roughness : float
-        Width of the specular lobe, in [0, 1].
-    index : float
-        Refractive index N of the inside, 1 for none.
-    collimation : float
-        c in [0, 1]: 1 passes light in a beam, 0 spreads it all.
-    solid : bool
-        True for the boundary of a closed solid, False for a thin sheet.
-    binary_coverage : bool
-        True for foliage whose unfiltered coverage is 0 or 1 and that transmits nothing.
-    """
-
-    coverage: float | Texture = 1.0
-    transmission: RGB = BLACK
-    emission: RGB | Texture = BLACK
-    albedo: RGB = BLACK
-    roughness: float = 1.0
-    index: float = 1.0
-    collimation: float = 1.0
-    solid: bool = False
-    binary_coverage: bool = False
-
-    def __post_init__(self) -> None:
-        coverage = self.coverage.texels if isinstance(self.coverage, Texture) else self.coverage
-        emission = self.emission.texels if isinstance(self.emission, Texture) else self.emission
-        _finite("material", coverage=coverage, emission=emission, transmission=self.transmission)
-        _finite("material", albedo=self.albedo, roughness=self.roughness, index=self.index)
-        unit = {
-            "coverage": coverage,
-            "transmission": self.transmission,
-            "albedo": self.albedo,
-            "roughness": self.roughness,
-            "collimation": self.collimation,
-        }
-        for name, value in unit.items():
-            values = np.asarray(value)
-            _require(bool(((values >= 0) & (values <= 1)).all()), f"material: {name} leaves [0, 1]")
-        _require(bool((np.asarray(emission) >= 0).all()), "material: emission is negative")
-        _require(self.index >= 1, f"material: index {self.index} is below 1 (that of vacuum)")
-
-    @property
-    def opaque(self) -> bool:
-        """Whether nothing passes: coverage is one everywhere and transmission zero."""
-        return self.coverage == 1.0 and self.transmission == BLACK
+__all__ = [
+    "BLACK",
+    "RGB",
+    "WHITE",
+    "Array",
+    "Camera",
+    "FragmentLists",
+    "Material",
+    "Mesh",
+    "Object",
+    "Scene",
+    "Texture",
+    "is_grey",
+]
 
 
 @dataclass(frozen=True, eq=False)
@@ -170,11 +81,25 @@ class Mesh:
 
 @dataclass(frozen=True, eq=False)
 class Object:
-    """A mesh of one material: the unit that is drawn, and sorted by object."""
+    """A mesh of one material: the unit that is drawn, and sorted by object.
+
+    Parameters
+    ----------
+    name : str
+    mesh : Mesh
+    material : Material
+    casts : bool
+        False for floors and walls that throw no shadow on anything else: the lights' shadow maps
+        then spend no texel beyond the other objects. They still receive shadows.
+    particles : bool
+        True for sprites without fine detail, which may be accumulated at a lower resolution.
+    """
 
     name: str
     mesh: Mesh
     material: Material
+    casts: bool = True
+    particles: bool = False
 
     def __post_init__(self) -> None:
         textured = isinstance(self.material.coverage, Texture) or isinstance(
@@ -258,43 +183,6 @@ class Camera:
         return np.asarray(-(offset @ self.axes[2]))
 
 
-@dataclass(frozen=True)
-class DirectionalLight:
-    """Light from infinity: the direction it travels, and its irradiance on a facing surface."""
-
-    direction: RGB
-    irradiance: RGB = WHITE
-
-
-@dataclass(frozen=True)
-class SpotLight:
-    """A point that shines into a cone; `intensity` in W·sr⁻¹, `angle` the full cone in radians."""
-
-    position: RGB
-    target: RGB
-    intensity: RGB = WHITE
-    angle: float = math.radians(40)
-
-
-@dataclass(frozen=True, eq=False)
-class EnvironmentLight:
-    """Radiance from all directions: one value, or a latitude-longitude map (h, w, 3), y up."""
-
-    radiance: RGB | Texture = WHITE
-
-
-Light = DirectionalLight | SpotLight | EnvironmentLight
-
-
-@dataclass(frozen=True)
-class Medium:
-    """A homogeneous participating medium: extinction in m⁻¹, single-scattering albedo, and g."""
-
-    extinction: float
-    albedo: RGB = WHITE
-    anisotropy: float = 0.0
-
-
 @dataclass(frozen=True, eq=False)
 class Scene:
     """All that both renderers need to know.
@@ -312,11 +200,11 @@ class Scene:
         None for a scene that is lit by emission alone.
     medium : Medium, optional
     background : RGB
-        Radiance where no surface is.
+        Radiance where no surface is; with an environment light that is what is seen there.
     exposure : float
         Exposure value (stops) for display and every LDR metric: radiance × 2^exposure.
-    ambient_occlusion : bool
-        Whether opaque surfaces receive ambient occlusion.
+    ambient_occlusion : float
+        Metres up to which surfaces hide the environment light from each other; 0 for not at all.
     """
 
     name: str
@@ -327,7 +215,7 @@ class Scene:
     medium: Medium | None = None
     background: RGB = BLACK
     exposure: float = 0.0
-    ambient_occlusion: bool = False
+    ambient_occlusion: float = 0.0
     effects: Effect = field(init=False)
 
     def __post_init__(self) -> None:
@@ -338,6 +226,16 @@ class Scene:
         _require(
             bool(self.objects) or self.lists is not None,
             f"scene {self.name}: there is nothing in it",
+        )
+        around = [light for light in self.lights if isinstance(light, EnvironmentLight)]
+        _require(len(around) <= 1, f"scene {self.name}: it has more than one environment light")
+        _require(
+            not around or self.background == BLACK,
+            f"scene {self.name}: an environment light is its background; leave background black",
+        )
+        _require(
+            math.isfinite(self.ambient_occlusion) and self.ambient_occlusion >= 0,
+            f"scene {self.name}: ambient_occlusion is no distance",
         )
         object.__setattr__(self, "effects", _derive_effects(self))
 
@@ -351,28 +249,41 @@ class Scene:
         """Objects that let light through, in submission order."""
         return tuple(item for item in self.objects if not item.material.opaque)
 
+    @property
+    def environment(self) -> EnvironmentLight | None:
+        """The light from all around, if there is one."""
+        return next((item for item in self.lights if isinstance(item, EnvironmentLight)), None)
+
+    @property
+    def beams(self) -> tuple[DirectionalLight | SpotLight, ...]:
+        """The lights that throw shadows."""
+        return tuple(item for item in self.lights if not isinstance(item, EnvironmentLight))
+
 
 def _derive_effects(scene: Scene) -> Effect:
     """Return what the materials, lights and media of `scene` call for."""
     transparent = [item.material for item in scene.transparent]
-    colored = any(not is_grey(m.transmission) for m in transparent)
-    lists = scene.lists
+    colored = any(m.tints for m in transparent)
+    lists, medium = scene.lists, scene.medium
     if lists is not None:
         colored = colored or bool((lists.transmission != lists.transmission[..., :1]).any())
-    refracting = any(m.index != 1 for m in transparent)
+    refracting = any(m.refracts for m in transparent)
+    diffusing = any(m.collimation < 1 for m in transparent)
+    occluded = scene.ambient_occlusion > 0
+    lit = bool(scene.beams)
     found = {
         Effect.COVERAGE: bool(transparent) or lists is not None,
         Effect.COLORED_TRANSMISSION: colored,
         Effect.REFRACTION: refracting,
-        Effect.DIFFUSION: any(m.collimation < 1 for m in transparent),
-        Effect.VOLUME: scene.medium is not None,
-        Effect.INFERRED_AO: scene.ambient_occlusion and any(m.binary_coverage for m in transparent),
+        Effect.DIFFUSION: diffusing or (medium is not None and medium.collimation < 1),
+        Effect.VOLUME: medium is not None,
+        Effect.AMBIENT_OCCLUSION: occluded,
+        Effect.INFERRED_AO: occluded and any(m.binary_coverage for m in transparent),
+        Effect.SHADOWS: lit and bool(scene.opaque),
+        Effect.TRANSLUCENT_SHADOWS: lit and bool(transparent),
+        Effect.COLORED_SHADOWS: lit and colored,
+        Effect.CAUSTICS: lit and refracting,
     }
-    if any(not isinstance(light, EnvironmentLight) for light in scene.lights):
-        found[Effect.SHADOWS] = bool(scene.opaque)
-        found[Effect.TRANSLUCENT_SHADOWS] = bool(transparent)
-        found[Effect.COLORED_SHADOWS] = colored
-        found[Effect.CAUSTICS] = refracting
     effects = Effect.NONE
     for effect, called in found.items():
         if called:

@@ -141,7 +141,7 @@ def method_curve(
     scene = Scene("visibility", straight, lists=instrument(fragments, rows))
     geometry = Geometry(device, scene)
     try:
-        effects = scene.effects & method.expresses
+        effects = scene.effects & method.shows
         frame = Frame(device, geometry, method, (len(fragments.z), rows), effects)
         try:
             frame.render()

@@ -54,7 +54,7 @@ def frames_of(
     """Return a rendered frame of every method."""
     frames = {}
     for method in Collection.load().expand_methods(names):
-        effects = geometry.scene.effects & method.expresses
+        effects = geometry.scene.effects & method.shows
         frames[method.label] = Frame(device, geometry, method, size, effects)
         frames[method.label].render()
     return frames

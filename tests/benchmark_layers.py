@@ -44,7 +44,7 @@ def measure(methods: list[Method], collection: Collection) -> Times:
         for method in methods:
             if any(value > TOO_LONG for value in times[method.label].values()):
                 continue
-            effects = scene.effects & method.expresses
+            effects = scene.effects & method.shows
             try:
                 frame = Frame(device, geometry, method, (SIDE, SIDE), effects)
             except CapabilityError as error:

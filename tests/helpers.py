@@ -111,7 +111,7 @@ def opened(
         assert scene.lists is not None
         size = (scene.lists.z.shape[2], scene.lists.z.shape[1])
     geometry = Geometry(device, scene)
-    running = scene.effects & chosen.expresses if effects is None else effects
+    running = scene.effects & chosen.shows if effects is None else effects
     frame = Frame(device, geometry, chosen, size, running, **options)
     try:
         yield frame

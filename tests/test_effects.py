@@ -15,15 +15,8 @@ from oitbench.effects import Effect, names
 from oitbench.errors import UsageError
 from oitbench.geometry import quad
 from oitbench.gl.device import Device
-from oitbench.scene import (
-    Camera,
-    DirectionalLight,
-    EnvironmentLight,
-    Material,
-    Medium,
-    Object,
-    Scene,
-)
+from oitbench.lights import DirectionalLight, EnvironmentLight, Medium
+from oitbench.scene import Camera, Material, Object, Scene
 from tests.helpers import Layer, method, opened, random_lists, render, scene_of, stack, write_method
 
 OPTIONAL = """
@@ -77,7 +70,9 @@ def scene(transparent: Material, **more: Any) -> Scene:
         (Material(coverage=0.5), ["COVERAGE"]),
         (Material(transmission=(0.5, 0.5, 0.5)), ["COVERAGE"]),
         (Material(transmission=(0.5, 0.6, 0.5)), ["COVERAGE", "COLORED_TRANSMISSION"]),
-        (Material(coverage=0.5, index=1.5), ["COVERAGE", "REFRACTION"]),
+        (Material(coverage=0.5, index=1.5, solid=True), ["COVERAGE", "REFRACTION"]),
+        # A thin sheet has two sides: what one bends, the other bends back.
+        (Material(coverage=0.5, index=1.5), ["COVERAGE"]),
         (Material(coverage=0.5, collimation=0.9), ["COVERAGE", "DIFFUSION"]),
         # Nothing passes an opaque surface, so that it can neither bend nor spread light.
         (Material(index=1.5, collimation=0.5), []),
@@ -89,7 +84,10 @@ def test_materials_call_for_effects(material: Material, called: list[str]) -> No
 
 def test_lights_call_for_shadows_of_what_is_there() -> None:
     sun = (DirectionalLight((0.0, -1.0, 0.0)),)
-    grey, red = Material(coverage=0.5), Material(transmission=(0.9, 0.1, 0.1), index=1.5)
+    grey, red = (
+        Material(coverage=0.5),
+        Material(transmission=(0.9, 0.1, 0.1), index=1.5, solid=True),
+    )
     shadows = ["SHADOWS", "TRANSLUCENT_SHADOWS"]
     assert names(scene(grey, lights=sun).effects) == ["COVERAGE", *shadows]
     assert names(scene(Material(), lights=sun).effects) == ["SHADOWS"]
@@ -100,8 +98,9 @@ def test_lights_call_for_shadows_of_what_is_there() -> None:
 
 def test_fog_and_foliage_call_for_their_effects() -> None:
     leaf = Material(coverage=0.5, binary_coverage=True)
-    assert Effect.VOLUME in scene(leaf, medium=Medium(0.1)).effects
-    assert Effect.INFERRED_AO in scene(leaf, ambient_occlusion=True).effects
+    fog = Medium(0.1, (-1, -1, -3), (1, 1, 0))
+    assert Effect.VOLUME in scene(leaf, medium=fog).effects
+    assert Effect.INFERRED_AO in scene(leaf, ambient_occlusion=0.5).effects
     assert Effect.INFERRED_AO not in scene(leaf).effects
 
 
@@ -138,7 +137,7 @@ def test_a_called_effect_brings_all_that_it_needs(device: Device, optional: Meth
 def test_forcing_every_effect_changes_no_pixel(device: Device, name: str) -> None:
     lists, chosen = random_lists(6), method(name)
     called = render(device, lists, chosen)
-    forced = render(device, lists, chosen, effects=~Effect.NONE & chosen.expresses)
+    forced = render(device, lists, chosen, effects=~Effect.NONE & chosen.shows)
     np.testing.assert_array_equal(called, forced)
 
 

@@ -13,6 +13,7 @@ import numpy.typing as npt
 import pytest
 
 from oitbench.errors import CapabilityError, SceneError, UsageError
+from oitbench.lights import DirectionalLight, Medium
 from oitbench.path_traced import llvm
 from oitbench.path_traced.exporter import export, require_traceable
 from oitbench.path_traced.render import _Statistics, render
@@ -20,10 +21,8 @@ from oitbench.path_traced.view import View
 from oitbench.scene import (
     RGB,
     Camera,
-    DirectionalLight,
     FragmentLists,
     Material,
-    Medium,
     Mesh,
     Object,
     Scene,
@@ -280,7 +279,7 @@ def test_what_cannot_be_traced_yet_is_refused_in_one_line() -> None:
     glass = Object("glass", _quad(), Material(0.5, index=1.5, collimation=0.5))
     cases = {
         "lights": dataclasses.replace(plain, lights=(DirectionalLight((0.0, -1.0, 0.0)),)),
-        "a medium": dataclasses.replace(plain, medium=Medium(0.1)),
+        "a medium": dataclasses.replace(plain, medium=Medium(0.1, (-1, -1, -1), (1, 1, 1))),
         "refraction and diffusion": dataclasses.replace(plain, objects=(glass,)),
     }
     for reason, scene in cases.items():

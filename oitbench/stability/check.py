@@ -149,7 +149,7 @@ class Check:
 
     def reason_against(self, method: Method) -> str:
         """Return why the check does not apply to `method`, or ""."""
-        missing = self.needs & ~method.expresses
+        missing = self.needs & ~method.shows
         if missing:
             return f"the method does not show {', '.join(names(missing)).lower()}"
         return self.excuse(method)

@@ -129,7 +129,7 @@ class _Darkroom:
 
     def _frame(self, method: Method, picture: Picture, copies: int) -> Frame:
         width, height = picture.pixels
-        effects = picture.scene.effects & method.expresses
+        effects = picture.scene.effects & method.shows
         geometry = self.geometries[id(picture.scene)]
         return Frame(self.device, geometry, method, (width * copies, height * copies), effects)
 
