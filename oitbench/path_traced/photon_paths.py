@@ -1,0 +1,102 @@
+"""The paths of photons: bent by solids, tinted by films, received wherever they arrive."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+DEPTH = 16
+"""Surfaces that a photon may meet."""
+
+
+@dataclass(frozen=True)
+class PhotonPaths:
+    """What photons meet in a scene.
+
+    Parameters
+    ----------
+    mitsuba, drjit : module
+        With a variant that is not scalar.
+    scene : mitsuba.Scene
+    media : sequence of (mitsuba.ShapePtr, mitsuba.Color3f)
+        The refracting solids, and the absorption σ inside, m⁻¹. All other surfaces are films, which
+        let light straight through or not at all.
+    seeds : sequence of int
+        Two for each of `DEPTH` surfaces.
+    """
+
+    mitsuba: Any
+    drjit: Any
+    scene: Any
+    media: Sequence[tuple[Any, Any]]
+    seeds: Sequence[int]
+
+    def follow(self, ray: Any, power: Any, index: Any) -> Iterator[tuple[Any, Any, Any, Any]]:
+        """Trace photons of `power` along `ray`, surface by surface.
+
+        Parameters
+        ----------
+        ray : Ray3f
+        power : Color3f
+            W.
+        index : UInt32
+            Numbers of the photons, from which their random numbers follow.
+
+        Yields
+        ------
+        point, normal : Point3f, Normal3f
+            Where a photon is, and the geometric normal.
+        power : Color3f
+            That arrives there, W.
+        received : Bool
+            Whether that is a film, lit through a solid.
+        """
+        drjit, mitsuba = self.drjit, self.mitsuba
+        inside = drjit.zeros(mitsuba.Color3f, len(index))
+        bent = drjit.zeros(mitsuba.Bool, len(index))
+        for depth in range(DEPTH):
+            si = self.scene.ray_intersect(ray)
+            arriving = drjit.select(si.is_valid(), power * drjit.exp(-inside * si.t), 0)
+            solid, sigma = self._solid(si)
+            received = bent & ~solid & drjit.any(arriving > 0)
+            direction, weight = self._scatter(si, solid, index, depth)
+            power = arriving * weight
+            enters = drjit.dot(direction, si.n) < 0
+            inside = drjit.select(solid, drjit.select(enters, sigma, 0), inside)
+            bent = bent | solid
+            ray = si.spawn_ray(direction)
+            alive = si.is_valid() & drjit.any(power > 0)
+            drjit.eval(si.p, si.n, arriving, received, ray, power, inside, bent, alive)
+            yield si.p, si.n, arriving, received
+            left = drjit.compress(alive)
+            if not len(left):
+                return
+            ray, power, inside, bent, index = (
+                drjit.gather(type(value), value, left)
+                for value in (ray, power, inside, bent, index)
+            )
+
+    def _solid(self, si: Any) -> tuple[Any, Any]:
+        """Return whether `si` is on a solid, and σ inside."""
+        solid, sigma = self.mitsuba.Bool(False), self.mitsuba.Color3f(0)
+        for shape, value in self.media:
+            here = si.shape == shape
+            solid |= here
+            sigma = self.drjit.select(here, value, sigma)
+        return solid, sigma
+
+    def _scatter(self, si: Any, solid: Any, index: Any, depth: int) -> tuple[Any, Any]:
+        """Return the direction in which a photon goes on, and the factor on its power."""
+        drjit, mitsuba = self.drjit, self.mitsuba
+        seeds = [drjit.opaque(mitsuba.UInt32, seed) for seed in self.seeds[2 * depth :][:2]]
+        choice = mitsuba.sample_tea_float32(index, seeds[0])
+        # The upper 24 of 32 bits are what a float32 holds.
+        place = [(bits >> 8) * 2.0**-24 for bits in mitsuba.sample_tea_32(index, seeds[1])]
+        # Radiance is squeezed where light enters a solid, power is not.
+        context = mitsuba.BSDFContext(mitsuba.TransportMode.Importance)
+        bsdf = si.bsdf()
+        sample, weight = bsdf.sample(context, si, choice, mitsuba.Point2f(*place), solid)
+        straight = bsdf.eval_null_transmission(si, si.is_valid() & ~solid)
+        direction = si.to_world(drjit.select(solid, sample.wo, -si.wi))
+        return direction, drjit.select(solid, weight, straight)

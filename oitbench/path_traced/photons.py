@@ -1,0 +1,262 @@
+"""Caustics by photon mapping: what beams deliver through refracting solids.
+
+A path cannot find a direction or a point of light through glass by chance, so photons are shot from
+the light instead (Jensen 1996, "Global illumination using photon maps"). They are gathered in the
+square cells of a grid rather than by nearest neighbors: a lookup is four searches in a sorted list.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from oitbench.errors import CapabilityError
+from oitbench.path_traced.aim import Aim
+from oitbench.path_traced.photon_paths import DEPTH, PhotonPaths
+from oitbench.scene import Mesh, Object, Scene
+
+CELL_PHOTONS = 128
+"""Photons in a cell where the light is not concentrated: its side is √(128 A/n) for n photons of
+beams of cross-section A. Fewer are noisier, more are blurred."""
+THICKNESS = 4
+"""Half the thickness of a cell along its axis, in sides: none of a tilted surface is cut off."""
+LEAST_FACING = 0.4
+"""A photon is stored for each axis that its surface's normal has this much of: a curved surface is
+looked up along the longest one, at least 0.58, and needs its neighborhood there."""
+CHUNK = 1 << 19
+"""Photons that are traced at once: some hundred bytes each."""
+BITS = 20
+"""Of a key for each coordinate of a cell; above them lies the direction."""
+MOST_PENDING = 1 << 22
+"""Deposits that wait to be summed up: 32 bytes each."""
+CLEAREST = 1e-6
+"""Least transmission that has a finite absorption."""
+
+
+def mean_chord(mesh: Mesh) -> float:
+    """Return the mean length 4V/S of the chords through a closed mesh, in metres (Cauchy)."""
+    corners = mesh.positions[mesh.triangles].astype(np.float64)
+    corners = corners - corners.mean(axis=(0, 1))
+    cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    surface = np.linalg.norm(cross, axis=1).sum() / 2
+    volume = abs(float((corners[:, 0] * cross).sum())) / 6
+    return 4 * volume / float(surface)
+
+
+def absorption(item: Object) -> tuple[float, float, float]:
+    """Return σ = −2 ln(T)/l, m⁻¹ per channel: a mean chord l loses what its two surfaces absorb."""
+    length = mean_chord(item.mesh)
+    red, green, blue = (
+        -2 * math.log(max(part, CLEAREST)) / length for part in item.material.transmission
+    )
+    return red, green, blue
+
+
+def solids(scene: Scene) -> dict[str, Object]:
+    """Return the refracting objects by the ids that their Mitsuba shapes must have."""
+    found = [item for item in scene.transparent if item.material.refracts]
+    return {f"solid_{number}": item for number, item in enumerate(found)}
+
+
+@dataclass(frozen=True, eq=False)
+class CausticMap:
+    """Irradiance through refracting solids, in a grid of square cells on all surfaces.
+
+    A cell is known by the axis that its surface faces most, the sign, two coordinates across and
+    one along it. The light in four cells is interpolated, so it is spread over about two sides;
+    surfaces smaller than a cell, and edges, come out too dark. Both sides of a surface are lit.
+
+    Parameters
+    ----------
+    mitsuba, drjit : module
+        With an LLVM or CUDA variant set.
+    origin : array, shape (3,)
+        Metres.
+    side : float
+        Of a cell, in metres.
+    keys : UInt64
+        Of the cells with any light, ascending.
+    light : Float
+        Their irradiance, three channels each, W·m⁻².
+    """
+
+    mitsuba: Any
+    drjit: Any
+    origin: npt.NDArray[np.float64]
+    side: float
+    keys: Any
+    light: Any
+
+    @classmethod
+    def build(
+        cls, mitsuba: Any, drjit: Any, mitsuba_scene: Any, scene: Scene, count: int, seed: int
+    ) -> CausticMap | None:
+        """Trace about `count` photons from the beams of `scene` through its refracting solids.
+
+        Parameters
+        ----------
+        mitsuba, drjit : module
+            With a variant set.
+        mitsuba_scene : mitsuba.Scene
+            Of the same scene; its shapes have the ids that `solids` gives. All other surfaces
+            receive, and let through what `eval_null_transmission` of their BSDF says.
+        scene : Scene
+        count, seed : int
+
+        Returns
+        -------
+        CausticMap or None
+            None if there is no beam, no refracting solid, or none that a beam can meet.
+
+        Raises
+        ------
+        CapabilityError
+            In a scalar variant of Mitsuba.
+        """
+        items = solids(scene)
+        if not items or not scene.beams:
+            return None
+        if mitsuba.variant().startswith("scalar"):
+            raise CapabilityError(
+                f"scene {scene.name}: caustics are not traced by {mitsuba.variant()}; "
+                "install an LLVM library that drjit works with"
+            )
+        triangles = np.concatenate([_triangles(item.mesh) for item in items.values()])
+        box = mitsuba_scene.bbox()
+        bounds = (np.array(box.min, np.float64).ravel(), np.array(box.max, np.float64).ravel())
+        share = -(-count // len(scene.beams))
+        found = [Aim.at(light, triangles, share, bounds) for light in scene.beams]
+        aims = [aim for aim in found if aim is not None]
+        if not aims:
+            return None
+        total = sum(aim.count for aim in aims)
+        side = math.sqrt(CELL_PHOTONS * sum(aim.area for aim in aims) / total)
+        empty = mitsuba.UInt64(), mitsuba.Float()
+        grid = cls(mitsuba, drjit, triangles.mean(axis=(0, 1)), side, *empty)
+        media = _media(mitsuba, mitsuba_scene, items)
+        sums = _Sums()
+        for number, aim in enumerate(aims):
+            seeds = np.random.SeedSequence((seed, number)).generate_state(1 + 2 * DEPTH).tolist()
+            paths = PhotonPaths(mitsuba, drjit, mitsuba_scene, media, seeds[1:])
+            for first in range(0, aim.count, CHUNK):
+                index = drjit.arange(mitsuba.UInt32, min(CHUNK, aim.count - first))
+                index += drjit.opaque(mitsuba.UInt32, first)
+                for hit in paths.follow(*aim.emit(mitsuba, drjit, index, seeds[0]), index):
+                    grid._deposit(sums, *hit)
+        keys, power = sums.layers()
+        light = (power / side**2).astype(np.float32).ravel()
+        return replace(grid, keys=mitsuba.UInt64(keys), light=mitsuba.Float(light))
+
+    def irradiance(self, si: Any, active: Any = True) -> Any:
+        """Return the irradiance at the interaction `si`, Color3f in W·m⁻²."""
+        drjit, mitsuba = self.drjit, self.mitsuba
+        x, y, z = (drjit.abs(value) for value in si.n)
+        total = mitsuba.Color3f(0)
+        along_x, along_y = (x >= y) & (x >= z), y >= z
+        axis = drjit.select(along_x, 0, drjit.select(along_y, 1, mitsuba.UInt32(2)))
+        places = [self._place(si.p, si.n, number) for number in range(3)]
+        u, v, w, facing = (
+            drjit.select(along_x, a, drjit.select(along_y, b, c))
+            for a, b, c in zip(*places, strict=True)
+        )
+        u, v, w = u - 0.5, v - 0.5, drjit.floor(w - 0.5)
+        left, low = drjit.floor(u), drjit.floor(v)
+        for column, across in ((left, 1 - (u - left)), (left + 1, u - left)):
+            for row, along in ((low, 1 - (v - low)), (low + 1, v - low)):
+                key, inside = self._key(axis, facing, column, row, w)
+                light = self._light(key, inside & active) * (across * along)
+                total += drjit.select(inside & active, light, 0)
+        return total
+
+    def _light(self, key: Any, active: Any) -> Any:
+        drjit, mitsuba = self.drjit, self.mitsuba
+        count = len(self.keys)
+        if not count:
+            return mitsuba.Color3f(0)
+        found = drjit.binary_search(
+            0,
+            count - 1,
+            lambda index: drjit.gather(mitsuba.UInt64, self.keys, index, active) < key,
+        )
+        active = active & (drjit.gather(mitsuba.UInt64, self.keys, found, active) == key)
+        return drjit.gather(mitsuba.Color3f, self.light, found, active)
+
+    def _place(self, p: Any, n: Any, axis: int) -> tuple[Any, Any, Any, Any]:
+        """Return coordinates across and along `axis`, in cells, and the normal along it."""
+        offset = (p - self.mitsuba.Point3f(*self.origin.tolist())) / self.side
+        across = offset[(axis + 1) % 3], offset[(axis + 2) % 3]
+        return *across, offset[axis] / THICKNESS, n[axis]
+
+    def _key(self, axis: Any, facing: Any, *cell: Any) -> tuple[Any, Any]:
+        """Return the key of the cell of three whole coordinates, and whether it has any."""
+        drjit, mitsuba = self.drjit, self.mitsuba
+        reach = 1 << (BITS - 1)
+        key = mitsuba.UInt64(2 * axis + drjit.select(facing < 0, mitsuba.UInt32(1), 0))
+        inside = mitsuba.Bool(True)
+        for value in cell:
+            inside &= drjit.abs(value) < reach - 1
+            number = mitsuba.UInt32(drjit.select(inside, value, 0) + reach)
+            key = (key << BITS) | mitsuba.UInt64(number)
+        return key, inside
+
+    def _deposit(self, sums: _Sums, p: Any, n: Any, power: Any, active: Any) -> None:
+        """Add the photons of `power` that arrive at `p` to `sums`, for each axis that it faces."""
+        drjit, mitsuba = self.drjit, self.mitsuba
+        for axis in range(3):
+            *cell, facing = self._place(p, n, axis)
+            key, inside = self._key(mitsuba.UInt32(axis), facing, *map(drjit.floor, cell))
+            # A cell's surface is larger than its cross-section where it is tilted.
+            value = power * drjit.abs(facing)
+            hit = drjit.compress(active & inside & (drjit.abs(facing) > LEAST_FACING))
+            keys = drjit.gather(mitsuba.UInt64, key, hit).numpy()
+            sums.add(keys, drjit.gather(mitsuba.Color3f, value, hit).numpy().T)
+
+
+class _Sums:
+    """Power by the keys of cells."""
+
+    def __init__(self) -> None:
+        self._keys: list[npt.NDArray[np.uint64]] = []
+        self._power: list[npt.NDArray[np.float64]] = []
+        self._pending = 0
+
+    def add(self, keys: npt.NDArray[np.uint64], power: npt.NDArray[np.floating[Any]]) -> None:
+        """Add `power`, shape (n, 3), to the cells `keys`, shape (n,)."""
+        self._keys.append(keys)
+        self._power.append(power.astype(np.float64))
+        self._pending += len(keys)
+        if self._pending > MOST_PENDING:
+            self._merge()
+
+    def _merge(self) -> None:
+        keys, inverse = np.unique(np.concatenate(self._keys), return_inverse=True)
+        power = np.concatenate(self._power)
+        sums = [np.bincount(inverse, weights=channel, minlength=len(keys)) for channel in power.T]
+        self._keys, self._power = [keys], [np.stack(sums, axis=1)]
+        self._pending = 0
+
+    def layers(self) -> tuple[npt.NDArray[np.uint64], npt.NDArray[np.float64]]:
+        """Return cells that overlap by half, ascending, so that one lookup sees both neighbors."""
+        self._merge()
+        self.add(self._keys[0] - np.uint64(1), self._power[0])
+        self._merge()
+        return self._keys[0], self._power[0]
+
+
+def _triangles(mesh: Mesh) -> npt.NDArray[np.float64]:
+    return mesh.positions[mesh.triangles].astype(np.float64)
+
+
+def _media(mitsuba: Any, mitsuba_scene: Any, items: dict[str, Object]) -> list[tuple[Any, Any]]:
+    shapes = {shape.id(): shape for shape in mitsuba_scene.shapes()}
+    missing = sorted(set(items) - set(shapes))
+    if missing:
+        raise ValueError(f"the Mitsuba scene has no shape {', '.join(missing)}")
+    return [
+        (mitsuba.ShapePtr(shapes[name]), mitsuba.Color3f(*absorption(item)))
+        for name, item in items.items()
+    ]
