@@ -12,12 +12,15 @@ from oitbench.declare import Draws, Loop, Method, Order, Pass, Step, Target
 from oitbench.effects import Effect
 from oitbench.errors import CapabilityError, UsageError
 from oitbench.gl.device import Device
-from oitbench.gl.geometry import Geometry, view_block
+from oitbench.gl.geometry import Geometry
+from oitbench.gl.lighting import lighting_of
 from oitbench.gl.opaque import DEPTH, count_fragments, draw_opaque
 from oitbench.gl.passes import Blueprint, attach, compile_pass
 from oitbench.gl.prelude import TILE, bind
 from oitbench.gl.resources import Counts, Resources
+from oitbench.gl.shadows import Moved
 from oitbench.gl.steps import CompiledStep, Issuer, PassRecord, Sequence, passes_of, running, runs
+from oitbench.gl.view import view_block
 
 Image = npt.NDArray[np.float32]
 _ATTEMPTS = 4
@@ -49,6 +52,11 @@ class Frame:
         Visible transparent fragments at each pixel's center, bottom row first.
     mechanism : str or None
         How programmable blending is done; None for a method that needs none.
+    lighting : Lighting or None
+        None for a scene that is lit by emission alone.
+    shading_records, shading_moved : list
+        What the stages that all methods share did in the last measured frame, and the bytes that
+        they moved.
 
     Raises
     ------
@@ -96,9 +104,10 @@ class Frame:
         self.textures = {**self.resources.textures, **shared}
         if self.samples > 1 and any(target.single for target in targets.values()):
             self.textures["opaque_depth_single"] = device.texture(size, DEPTH.texel)
+        self.lighting = lighting_of(device, geometry, effects)
         self._blueprint = Blueprint(
             device, geometry, method, folder_of(type(method)), effects, self.declared, buffers,
-            bindings, self.samples, self.mechanism or "",
+            bindings, self.samples, self.mechanism or "", self.lighting,
         )  # fmt: skip
         absent = {*method.targets, *method.buffers} - {*targets, *buffers, "color"}
         left = [running(step, effects, absent) for step in method.passes]
@@ -109,6 +118,8 @@ class Frame:
         self._issuer = Issuer(device, self._view, self.resources)
         self._sequences: dict[Order, Sequence] = {}
         self._transmittance: bool | None = None
+        self.shading_records: list[PassRecord] = []
+        self.shading_moved: list[Moved] = []
         self._framebuffers = {
             name: attach(device, texture, self.declared[name].texel)
             for name, texture in self.textures.items()
@@ -186,18 +197,20 @@ class Frame:
         permutation : int, optional
             Seed that shuffles the draws.
         """
+        if self.lighting is not None:
+            self.lighting.prepare()
         if self._transmittance is not transmittance:
             behind = (self.textures["opaque_color"], self.textures["opaque_depth"])
             draw_opaque(
                 self.device, self.geometry, self._view, behind, self.declared["color"],
-                self.samples, transmittance,
+                self.samples, transmittance, self.lighting, self.effects,
             )  # fmt: skip
             if "opaque_depth_single" in self.textures:
                 self._draw_opaque_single()
             self._transmittance = transmittance
         self.sort(permutation)
         for _ in range(_ATTEMPTS):
-            needed = self.issue()
+            needed = self.issue(lit=False)
             if needed is None:
                 return
             self.resources.reserve(np.maximum(self.resources.demand, needed))
@@ -214,7 +227,9 @@ class Frame:
         )
         color.release()
 
-    def issue(self, records: list[PassRecord] | None = None, check: bool = True) -> Counts | None:
+    def issue(
+        self, records: list[PassRecord] | None = None, check: bool = True, lit: bool = True
+    ) -> Counts | None:
         """Issue the frame's draws; return what each tile needs if fragments did not fit.
 
         Parameters
@@ -223,10 +238,17 @@ class Frame:
             Filled with one entry a pass. Measuring waits after every draw.
         check : bool
             Read back the allocators; a frame that is timed has been checked before.
+        lit : bool
+            Draw the shadow maps too; they stay the same from frame to frame.
         """
         context, resources = self.device.context, self.resources
         resources.take_counts()
         resources.asked = 0
+        if lit and self.lighting is not None:
+            if records is None:
+                self.lighting.issue()
+            else:
+                self.shading_records, self.shading_moved = self.lighting.measure()
         # The scissor of the last region still stands, and would clip the copy.
         self._framebuffers["color"].use()
         self._framebuffers["color"].scissor = (0, 0, *self.size)

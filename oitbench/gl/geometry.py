@@ -3,18 +3,23 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import moderngl
 import numpy as np
 import numpy.typing as npt
 
 from oitbench.declare import Order
+from oitbench.effects import Effect
 from oitbench.errors import SceneError, UsageError
 from oitbench.gl.device import Device
-from oitbench.gl.prelude import TILE
-from oitbench.scene import Camera, FragmentLists, Object, Scene, Texture
+from oitbench.scene import BLACK, FragmentLists, Material, Object, Scene, Texture
 from oitbench.texturing import premultiplied_pyramid
+
+if TYPE_CHECKING:
+    from oitbench.gl.lighting import Lighting
 
 VERTEX = np.dtype(
     [
@@ -24,9 +29,11 @@ VERTEX = np.dtype(
         ("in_transmission", "f4", 3),
         ("in_coverage", "f4"),
         ("in_layer", "f4"),
+        ("in_normal", "f4", 3),
+        ("in_material", "f4"),
     ]
 )
-VERTEX_FORMAT = "3f4 2f4 3f4 3f4 1f4 1f4"
+VERTEX_FORMAT = "3f4 2f4 3f4 3f4 1f4 1f4 3f4 1f4"
 _UNTEXTURED = -1.0
 
 
@@ -87,28 +94,32 @@ class Geometry:
     Attributes
     ----------
     opaque, transparent : Batch
+    casting : Batch
+        What is transparent and casts shadows.
     vertices : moderngl.Buffer
-    textures : dict of str to moderngl.TextureArray
+    textures : dict of str to moderngl.TextureArray or moderngl.Texture
         Samplers of the surface shader by name.
     complexities : dict of (width, height) to array
         Fragments a pixel at the frame sizes that were counted.
+    lightings : dict of Effect to Lighting
+        The shadow maps that were drawn, by the effects of shading that ran.
     """
 
     def __init__(self, device: Device, scene: Scene) -> None:
         if scene.lists is not None and scene.objects:
             raise SceneError(f"scene {scene.name}: fragment lists cannot be mixed with objects")
-        if scene.lights or scene.medium is not None:
-            raise SceneError(
-                f"scene {scene.name}: lights and media are not rendered; bake them into emission"
-            )
         self.scene = scene
-        self.textures: dict[str, moderngl.TextureArray] = {}
+        self.textures: dict[str, moderngl.TextureArray | moderngl.Texture] = {}
         self.layers: dict[int, int] = {}
         self._storeys = 1
         self.complexities: dict[tuple[int, int], npt.NDArray[np.int64]] = {}
+        self.lightings: dict[Effect, Lighting] = {}
         if scene.lists is not None:
             self._upload_lists(device, scene.lists)
         self._upload_textures(device, scene)
+        self.materials = _distinct(scene.objects)
+        if any(_reflects_or_bends(material) for material in self.materials):
+            self._upload_materials(device)
         parts: list[npt.NDArray[np.void]] = []
         self.opaque = self._batch(scene.opaque, parts)
         self.transparent = (
@@ -116,6 +127,7 @@ class Geometry:
             if scene.lists is not None
             else self._batch(scene.transparent, parts)
         )
+        self.casting = self._part(scene.transparent, lambda item: item.casts)
         vertices = np.concatenate(parts) if parts else np.zeros(1, VERTEX)
         self.vertices = device.context.buffer(vertices.tobytes())
 
@@ -124,7 +136,21 @@ class Geometry:
         """What the surface shader must know at compile time."""
         if self.scene.lists is not None:
             return f"#define LISTS {self._storeys}"
-        return "#define TEXTURED 1" if self.textures else ""
+        found = {"TEXTURED": "surface_textures", "DETAILED": "surface_materials"}
+        return "\n".join(f"#define {k} 1" for k, name in found.items() if name in self.textures)
+
+    def _part(self, objects: tuple[Object, ...], chosen: Callable[[Object], bool]) -> Batch:
+        """Return those of the transparent objects that are `chosen`."""
+        units = [self.transparent.units[k] for k, item in enumerate(objects) if chosen(item)]
+        runs = [np.arange(first, first + count) for first, count in units]
+        kept = np.concatenate(runs) if runs else np.zeros(0, dtype=np.int64)
+        sizes = np.array([count for _, count in units], dtype=np.int64)
+        return Batch(
+            self.transparent.triangles[kept],
+            np.stack([np.cumsum(sizes) - sizes, sizes], axis=1),
+            self.transparent.keys[kept],
+            np.array([self.transparent.unit_keys[k] for k, o in enumerate(objects) if chosen(o)]),
+        )
 
     def _batch(self, objects: tuple[Object, ...], parts: list[npt.NDArray[np.void]]) -> Batch:
         base = sum(len(part) for part in parts)
@@ -164,7 +190,16 @@ class Geometry:
         coverage = 1.0 if layer is not None else material.coverage
         vertices["in_coverage"] = 1.0 if isinstance(coverage, Texture) else coverage
         vertices["in_layer"] = _UNTEXTURED if layer is None else layer
+        # A normal of zero stands for the triangle's own.
+        vertices["in_normal"] = 0.0 if mesh.normals is None else mesh.normals
+        vertices["in_material"] = self.materials.index(material)
         return vertices
+
+    def _upload_materials(self, device: Device) -> None:
+        rows = np.array([_material_row(item) for item in self.materials], dtype=np.float32)
+        texture = device.context.texture((2, len(rows)), 4, rows.tobytes(), dtype="f4")
+        texture.filter = (moderngl.NEAREST, moderngl.NEAREST)
+        self.textures["surface_materials"] = texture
 
     def _upload_textures(self, device: Device, scene: Scene) -> None:
         pyramids = {
@@ -231,36 +266,29 @@ class Geometry:
 
     def release(self) -> None:
         """Free the device's memory."""
+        for lighting in self.lightings.values():
+            lighting.release()
         self.vertices.release()
         for texture in self.textures.values():
             texture.release()
 
 
-def view_block(camera: Camera, size: tuple[int, int], transmittance: bool) -> bytes:
-    """Return the bytes of the uniform block `View` (glsl/view.glsl) for a frame of `size`."""
-    width, height = size
-    axes = camera.axes
-    to_camera = np.eye(4)
-    to_camera[:3, :3] = axes
-    to_camera[:3, 3] = -axes @ np.asarray(camera.position, dtype=np.float64)
-    focal = 1 / math.tan(camera.fov_y / 2)
-    near, far = camera.near, camera.far
-    # The limits of the usual (far + near)/(near − far) and 2·far·near/(near − far).
-    ratio = 0.0 if math.isinf(far) else near / far
-    to_clip = np.zeros((4, 4))
-    to_clip[0, 0] = focal * height / width
-    to_clip[1, 1] = focal
-    to_clip[2, 2] = -(1 + ratio) / (1 - ratio)
-    to_clip[2, 3] = -2 * near / (1 - ratio)
-    to_clip[3, 2] = -1
-    tiles = [math.ceil(side / TILE) for side in size]
-    return b"".join(
-        (
-            (to_clip @ to_camera).T.astype(np.float32).tobytes(),
-            to_camera.T.astype(np.float32).tobytes(),
-            np.array(
-                [near, far, focal * height / 2, 0.0 if transmittance else 1.0], dtype=np.float32
-            ).tobytes(),
-            np.array([width, height, *tiles, 0, 0, 0, 0], dtype=np.uint32).tobytes(),
-        )
-    )
+def _distinct(objects: tuple[Object, ...]) -> list[Material]:
+    """Return the materials in order of first use; each is one object, compared by identity."""
+    return list({id(item.material): item.material for item in objects}.values())
+
+
+def _reflects_or_bends(material: Material) -> bool:
+    """Tell whether light does more at the surface than to be covered, tinted and emitted."""
+    plain = material.albedo == BLACK and material.reflectance == 0 and material.collimation == 1
+    return not plain or material.refracts
+
+
+def _material_row(material: Material) -> list[float]:
+    """Return the eight numbers that `surface_at` (shading.glsl) reads."""
+    index = material.index if material.refracts else 1.0
+    flags = int(material.isotropic) + 2 * int(material.binary_coverage)
+    return [
+        *material.albedo, material.reflectance,
+        material.roughness, index, material.collimation, float(flags),
+    ]  # fmt: skip

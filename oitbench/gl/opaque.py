@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 import moderngl
 import numpy as np
@@ -11,12 +12,17 @@ import numpy.typing as npt
 from oitbench.declare import ADD, REPLACE, Draws, Method, Order, Pass, Target
 from oitbench.effects import Effect
 from oitbench.gl.device import Device
-from oitbench.gl.geometry import Batch, Geometry, view_block
+from oitbench.gl.geometry import Batch, Geometry
+from oitbench.gl.lighting import Lighting
 from oitbench.gl.passes import Blueprint, compile_pass
 from oitbench.gl.prelude import bind
+from oitbench.gl.view import view_block
 
 _OPAQUE = Pass("opaque.glsl", Draws.FRAGMENTS, writes={"color": REPLACE})
 _COUNT = Pass("count.glsl", Draws.FRAGMENTS, writes={"count": ADD})
+_BACKGROUND = Pass(
+    "background.glsl", Draws.PIXELS, reads=("opaque_depth",), writes={"color": REPLACE}
+)
 _COLOR, _COUNTED, DEPTH = Target("rgba16f"), Target("r32f"), Target("depth32f")
 
 
@@ -28,6 +34,8 @@ def draw_opaque(
     color: Target,
     samples: int,
     transmittance: bool,
+    lighting: Lighting | None = None,
+    effects: Effect = Effect.NONE,
 ) -> None:
     """Render what lies behind all transparency, and fill the uniform block for `view`.
 
@@ -44,6 +52,10 @@ def draw_opaque(
         Samples a pixel of both textures.
     transmittance : bool
         Show a background of one instead of radiance.
+    lighting : Lighting, optional
+        What shades; without it nothing is lit.
+    effects : Effect
+        Those that run.
     """
     scene, size = geometry.scene, textures[0].size
     view.write(view_block(scene.camera, size, transmittance))
@@ -56,8 +68,15 @@ def draw_opaque(
     framebuffer.release()
     names = {"color": textures[0], "opaque_depth": textures[1]}
     declared = {"color": color, "opaque_depth": DEPTH}
-    blueprint = _blueprint(device, geometry, declared, samples)
+    blueprint = replace(
+        _blueprint(device, geometry, declared, samples), lighting=lighting, effects=effects
+    )
     _draw(blueprint, _OPAQUE, names, geometry.opaque, view, depth_writes=True)
+    if scene.environment is not None and lighting is not None and not transmittance:
+        background_pass = compile_pass(blueprint, _BACKGROUND, names)
+        background_pass.begin(view, (0, 0, *size))
+        background_pass.draw_screen()
+        background_pass.release()
 
 
 def count_fragments(

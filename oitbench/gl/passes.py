@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import moderngl
 
@@ -17,6 +18,9 @@ from oitbench.gl.device import Device
 from oitbench.gl.geometry import VERTEX, VERTEX_FORMAT, Geometry
 from oitbench.gl.prelude import Bindings
 from oitbench.gl.source import Source
+
+if TYPE_CHECKING:
+    from oitbench.gl.lighting import Lighting
 
 
 @dataclass(frozen=True)
@@ -35,6 +39,8 @@ class Blueprint:
         Samples a pixel.
     mechanism : str
         How programmable blending is done.
+    lighting : Lighting, optional
+        What shades; without it nothing is lit.
     """
 
     device: Device
@@ -47,6 +53,7 @@ class Blueprint:
     bindings: Bindings
     samples: int = 1
     mechanism: str = prelude.FETCH
+    lighting: Lighting | None = None
 
 
 class CompiledPass:
@@ -65,10 +72,11 @@ class CompiledPass:
         images: Sequence[moderngl.Texture],
         vertices: moderngl.Buffer,
         depth_writes: bool,
+        lights: moderngl.Buffer | None = None,
     ) -> None:
         self.device, self.step, self.program = device, step, program
         self.framebuffer, self.samplers, self.vertices = framebuffer, samplers, vertices
-        self.images, self.depth_writes = images, depth_writes
+        self.images, self.depth_writes, self.lights = images, depth_writes, lights
         self.clears: list[tuple[moderngl.Framebuffer, Format, tuple[float, ...]]] = []
         self._arrays: dict[int, moderngl.VertexArray] = {}
 
@@ -90,6 +98,8 @@ class CompiledPass:
         for unit, image in enumerate(self.images):
             image.bind_to_image(unit, read=True, write=True)
         view.bind_to_uniform_block(0)
+        if self.lights is not None:
+            self.lights.bind_to_uniform_block(prelude.LIGHTS_BINDING)
         if self.step.buffers or self.images:
             context.memory_barrier()
 
@@ -163,8 +173,11 @@ def compile_pass(
     samplers: dict[str, moderngl.Texture | moderngl.TextureArray] = {
         f"{name}_texture": textures[name] for name in step.reads
     }
+    lighting = blueprint.lighting
     if step.draws is Draws.FRAGMENTS:
         samplers.update(geometry.textures)
+    if lighting is not None:
+        samplers.update(lighting.textures)
     used = {name: item for name, item in samplers.items() if name in program}
     for unit, name in enumerate(used):
         # A program is shared by frames, but its samplers always come in this order.
@@ -177,8 +190,9 @@ def compile_pass(
     framebuffer = device.context.framebuffer(colors, depth)
     writes_depth = depth_writes or step.depth is not None
     compiled = CompiledPass(
-        device, step, program, framebuffer, used, images, geometry.vertices, writes_depth
-    )
+        device, step, program, framebuffer, used, images, geometry.vertices, writes_depth,
+        None if lighting is None else lighting.block,
+    )  # fmt: skip
     for name in step.clears:
         target = blueprint.declared[name]
         place = attach(device, textures[name], target.texel)
@@ -213,6 +227,13 @@ def _sources(blueprint: Blueprint, step: Pass) -> tuple[Source, Source]:
     fragment.add_text("prelude (macros)", prelude.macros(blueprint.method, blueprint.effects))
     fragment.add_text("prelude (pass)", prelude.defines(step))
     fragment.add_file("view.glsl")
+    lighting = blueprint.lighting
+    detailed = step.draws is Draws.FRAGMENTS and "surface_materials" in blueprint.geometry.textures
+    if lighting is not None or detailed:
+        fragment.add_text("prelude (lights)", lighting.macros if lighting else prelude.NO_LIGHTS)
+        fragment.add_file("lighting.glsl")
+        shadows = lighting.visibility if lighting else prelude.NO_SHADOWS
+        fragment.add_text("prelude (shadows)", shadows)
     declarations = (
         prelude.outputs(step, blueprint.declared, mechanism),
         prelude.reads(step, blueprint.declared, blueprint.samples),
@@ -224,6 +245,8 @@ def _sources(blueprint: Blueprint, step: Pass) -> tuple[Source, Source]:
     if step.draws is Draws.FRAGMENTS:
         geometry = blueprint.geometry
         fragment.add_text("prelude (scene)", geometry.macros)
+        if detailed:
+            fragment.add_file("shading.glsl")
         fragment.add_file("fragment.glsl")
         fragment.add_file(step.shader)
         fragment.add_text("prelude (deliver)", prelude.deliver(step, mechanism))

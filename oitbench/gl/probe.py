@@ -7,11 +7,12 @@ import numpy as np
 from oitbench.declare import Buffer, Draws, Items, Method, Order, Pass, Target
 from oitbench.effects import Effect
 from oitbench.gl.device import Device
-from oitbench.gl.geometry import Geometry, view_block
+from oitbench.gl.geometry import Geometry
 from oitbench.gl.opaque import DEPTH, count_fragments, draw_opaque
 from oitbench.gl.passes import Blueprint, compile_pass
 from oitbench.gl.prelude import TILE, bind
 from oitbench.gl.resources import Resources
+from oitbench.gl.view import view_block
 from oitbench.scene import FragmentLists
 
 _BUFFERS = {

@@ -6,6 +6,11 @@ struct Fragment {
     float z;             // linear view distance, m
     float depth;         // window depth in [0, 1]
     vec3 position;       // world space, m; a list has pixels and view distance
+    vec3 normal;         // unit, world space, on the viewer's side
+    float incidence;     // cosine between normal and view
+    float index;         // refractive index N of the solid that it bounds, 1 for none
+    bool entering;       // whether the view ray enters that solid here
+    float collimation;   // c
 };
 
 // RGB transmittance of the layer: tau = 1 - alpha + alpha t.

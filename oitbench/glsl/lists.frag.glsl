@@ -23,6 +23,11 @@ void main() {
     // Written so that an infinite far plane gives 1 - near/z.
     fragment.depth = (1.0 - near_plane / fragment.z) / (1.0 - near_plane / far_plane);
     fragment.position = vec3(gl_FragCoord.xy, fragment.z);
+    fragment.normal = vec3(0.0, 0.0, 1.0);
+    fragment.incidence = 1.0;
+    fragment.index = 1.0;
+    fragment.entering = true;
+    fragment.collimation = 1.0;
 #ifdef OWN_DEPTH
     gl_FragDepth = fragment.depth;
 #endif

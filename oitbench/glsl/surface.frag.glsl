@@ -6,6 +6,8 @@ in vec3 v_position;
 flat in vec3 v_transmission;
 flat in float v_coverage;
 flat in float v_layer;
+in vec3 v_normal;
+flat in float v_material;
 
 #ifdef TEXTURED
 uniform sampler2DArray surface_textures;   // premultiplied (emission * coverage, coverage)
@@ -25,6 +27,28 @@ vec4 filtered_texel(vec2 uv, float layer) {
 }
 #endif
 
+#ifdef DETAILED
+// The unit normal on the viewer's side; that of the triangle where the mesh gives none.
+vec3 facing_normal(vec3 toward) {
+    vec3 flat_normal = cross(dFdx(v_position), dFdy(v_position));
+    vec3 normal = dot(v_normal, v_normal) > 0.0 ? v_normal : flat_normal;
+    normal = normalize(dot(normal, normal) > 0.0 ? normal : toward);
+    return dot(normal, toward) < 0.0 ? -normal : normal;
+}
+
+// What the surface does to light beyond covering, tinting and emitting.
+void add_reflection(inout Fragment fragment, vec3 normal, vec3 toward, float openness) {
+    Surface surface = surface_at(int(v_material + 0.5));
+    fragment.normal = normal;
+    fragment.incidence = dot(normal, toward);
+    fragment.index = surface.index;
+    fragment.collimation = surface.collimation;
+    vec3 kept = 1.0 - surface.albedo;
+    fragment.transmission *= kept * (1.0 - fresnel(surface.reflectance, fragment.incidence));
+    fragment.radiance += reflected(surface, v_position, normal, toward, openness) * radiance_gain;
+}
+#endif
+
 void main() {
     Fragment fragment;
     fragment.radiance = v_radiance * radiance_gain;
@@ -33,8 +57,17 @@ void main() {
     fragment.z = v_z;
     fragment.depth = gl_FragCoord.z;
     fragment.position = v_position;
+    fragment.normal = vec3(0.0);
+    fragment.incidence = 1.0;
+    fragment.index = 1.0;
+    fragment.entering = gl_FrontFacing;
+    fragment.collimation = 1.0;
+    // Outside any branch, and before any discard: derivatives need the whole quad.
+#ifdef DETAILED
+    vec3 toward = normalize(eye.xyz - eye.w * v_position);
+    vec3 normal = facing_normal(toward);
+#endif
 #ifdef TEXTURED
-    // Outside the branch: derivatives need the whole quad.
     vec4 texel = filtered_texel(v_uv, max(v_layer, 0.0));
     if (v_layer >= 0.0) {
         if (texel.a <= 0.0) {
@@ -43,6 +76,9 @@ void main() {
         fragment.radiance *= texel.rgb / texel.a;
         fragment.coverage *= texel.a;
     }
+#endif
+#ifdef DETAILED
+    add_reflection(fragment, normal, toward, 1.0);
 #endif
     deliver(fragment);
 }

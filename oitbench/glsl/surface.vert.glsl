@@ -5,6 +5,8 @@ in vec3 in_radiance;
 in vec3 in_transmission;
 in float in_coverage;
 in float in_layer;
+in vec3 in_normal;
+in float in_material;
 
 out vec2 v_uv;
 out vec3 v_radiance;
@@ -13,6 +15,8 @@ out vec3 v_position;
 flat out vec3 v_transmission;
 flat out float v_coverage;
 flat out float v_layer;
+out vec3 v_normal;
+flat out float v_material;
 invariant gl_Position;
 
 void main() {
@@ -30,4 +34,6 @@ void main() {
     v_transmission = in_transmission;
     v_coverage = in_coverage;
     v_layer = in_layer;
+    v_normal = in_normal;
+    v_material = in_material;
 }

@@ -1,4 +1,4 @@
-// What every shader knows of the frame. Filled by oitbench/gl/geometry.py.
+// What every shader knows of the frame. Filled by oitbench/gl/view.py.
 layout(std140, binding = 0) uniform View {
     mat4 world_to_clip;
     mat4 world_to_camera;
@@ -9,6 +9,7 @@ layout(std140, binding = 0) uniform View {
     uvec2 frame_size;      // pixels
     uvec2 frame_tiles;     // tiles of TILE x TILE pixels
     uint iteration;        // round of the loop that the pass stands in, from 0
+    vec4 eye;              // position and 1, or the direction to the viewer and 0
 };
 
 const uint NONE = 0xFFFFFFFFu;

@@ -1,0 +1,71 @@
+// Reflection by Lambert's law and a microfacet lobe (GGX, height-correlated Smith), or evenly to all
+// sides; the same formulas are path traced (CONVENTIONS.md, "Reflection").
+uniform sampler2D surface_materials;   // two texels a material, see oitbench/gl/geometry.py
+
+struct Surface {
+    vec3 albedo;
+    float reflectance;   // F0
+    float roughness;
+    float index;         // N, 1 where nothing is refracted
+    float collimation;
+    bool isotropic;
+    bool binary;         // unfiltered coverage is 0 or 1
+};
+
+Surface surface_at(int material) {
+    vec4 first = texelFetch(surface_materials, ivec2(0, material), 0);
+    vec4 second = texelFetch(surface_materials, ivec2(1, material), 0);
+    int flags = int(second.w);
+    return Surface(first.rgb, first.a, second.x, second.y, second.z, (flags & 1) != 0,
+                   (flags & 2) != 0);
+}
+
+// Schlick 1994; no lobe at all where nothing is reflected at normal incidence.
+float fresnel(float reflectance, float cosine) {
+    float away = 1.0 - clamp(cosine, 0.0, 1.0);
+    float fifth = away * away * away * away * away;
+    return reflectance > 0.0 ? reflectance + (1.0 - reflectance) * fifth : 0.0;
+}
+
+// Walter et al. 2007; `l` and `v` lie on the side of `n`.
+float microfacets(Surface surface, vec3 n, vec3 v, vec3 l) {
+    float a = surface.roughness * surface.roughness;
+    float nl = dot(n, l), nv = max(dot(n, v), 1e-4);
+    if (a <= 0.0 || surface.reflectance <= 0.0 || nl <= 0.0) {
+        return 0.0;
+    }
+    vec3 h = normalize(l + v);
+    float nh = clamp(dot(n, h), 0.0, 1.0);
+    float spread = nh * nh * (a * a - 1.0) + 1.0;
+    float density = a * a / max(PI * spread * spread, 1e-20);
+    float masking = nl * sqrt(nv * nv * (1.0 - a * a) + a * a) +
+                    nv * sqrt(nl * nl * (1.0 - a * a) + a * a);
+    return density * 0.5 / max(masking, 1e-8) * fresnel(surface.reflectance, dot(h, v)) * nl;
+}
+
+// Radiance that leaves toward `v`; `openness` is the part of the environment that is not occluded.
+vec3 reflected(Surface surface, vec3 position, vec3 n, vec3 v, float openness) {
+    vec3 sum = vec3(0.0);
+    for (int i = 0; i < BEAMS; ++i) {
+        vec3 l = toward_light(i, position);
+        float facing = max(dot(n, l), 0.0);
+        vec3 factor = surface.isotropic ? surface.albedo / (4.0 * PI)
+                                        : surface.albedo / PI * facing +
+                                              microfacets(surface, n, v, l);
+        if (any(greaterThan(factor, vec3(0.0)))) {
+            vec3 side = surface.isotropic ? vec3(0.0) : n;
+            sum += factor * irradiance(i, position) * beam_visibility(i, position, side);
+        }
+    }
+#ifdef ENVIRONMENT
+    if (surface.isotropic) {
+        return sum + surface.albedo * surrounding_radiance() * openness;
+    }
+    sum += surface.albedo / PI * surrounding_irradiance(n) * openness;
+    if (surface.reflectance > 0.0) {
+        sum += fresnel(surface.reflectance, dot(n, v)) *
+               environment_radiance(reflect(-v, n), surface.roughness);
+    }
+#endif
+    return sum;
+}

@@ -1,0 +1,51 @@
+// How much of a beam arrives: opaque maps (Williams 1978) and variance maps of stochastic colored
+// shadows (McGuire & Mara 2017, section 4.6; Donnelly & Lauritzen 2006).
+
+// Distance along the axis of what a map's depth stands for, m.
+float map_distance(int i, float depth) {
+    float near = beams[i].range.x, far = beams[i].range.y;
+    return beams[i].place.w == 0.0 ? near + depth * (far - near)
+                                   : near * far / (far - depth * (far - near));
+}
+
+struct MapPlace {
+    vec2 uv;
+    float distance;   // along the axis, m
+    bool inside;      // of what the map shows
+};
+
+// Where a point lies in a beam's maps: moved off its surface, by what two texels span, along the
+// normal `side`, so that it does not lie in the shadow of itself.
+MapPlace place_in_map(int i, vec3 position, vec3 side) {
+    float span = beams[i].place.w == 0.0 ? 1.0 : dot(beams[i].distance, vec4(position, 1.0));
+    vec3 moved = position + 2.0 * beams[i].color.w * span * side;
+    vec4 clip = beams[i].to_map * vec4(moved, 1.0);
+    vec2 ndc = clip.xy / clip.w;
+    bool inside = clip.w > 0.0 && all(lessThan(abs(ndc), vec2(1.0)));
+    return MapPlace(0.5 + 0.5 * ndc, dot(beams[i].distance, vec4(moved, 1.0)), inside);
+}
+
+// Part of the light that passes the nearest opaque surface, between the four texels around.
+float opaque_visibility(sampler2D map, int i, MapPlace place) {
+    ivec2 size = textureSize(map, 0);
+    vec2 texel = place.uv * vec2(size) - 0.5;
+    ivec2 corner = ivec2(floor(texel));
+    vec4 lit;
+    for (int k = 0; k < 4; ++k) {
+        ivec2 at = clamp(corner + ivec2(k & 1, k >> 1), ivec2(0), size - 1);
+        float depth = texelFetch(map, at, 0).r;
+        lit[k] = depth >= 1.0 || place.distance <= map_distance(i, depth) ? 1.0 : 0.0;
+    }
+    vec2 part = texel - vec2(corner);
+    return mix(mix(lit.x, lit.y, part.x), mix(lit.z, lit.w, part.x), part.y);
+}
+
+// Chebyshev's bound on the part of the light that reaches `distance`, of moments (z, z^2).
+float variance_visibility(sampler2D map, vec2 place, float distance) {
+    vec2 moments = textureLod(map, place, 0.0).rg;
+    float variance = max(moments.y - moments.x * moments.x, 1e-5 * moments.x * moments.x);
+    float behind = distance - moments.x;
+    return behind <= 0.0 ? 1.0 : variance / (variance + behind * behind);
+}
+
+// Samplers and `beam_visibility(i, position, normal)` follow, one case a beam.
