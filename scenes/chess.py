@@ -1,0 +1,121 @@
+"""A game of chess between red and clear glass men: one mesh a color, so no order of objects sorts.
+
+Men of both colors stand before and behind each other all over the board, each a solid that bends
+light and throws a colored shadow. The subject is that of figure 19 of McGuire & Mara 2017,
+"Phenomenological Transparency". The set is one for a garden, its king 0.9 m tall.
+"""
+
+from __future__ import annotations
+
+import math
+
+from oitbench.chessmen import man
+from oitbench.geometry import box, merge, rotation, transform, translation
+from oitbench.lights import DirectionalLight, EnvironmentLight
+from oitbench.patterns import Window, checkers, room
+from oitbench.scene import RGB, Camera, Material, Mesh, Object, Scene, Texture
+from oitbench.selector import Parameter
+
+KING_HEIGHT, SQUARE = 0.9, 0.48
+GAP = 0.001
+"""Metres between the board and its men: coincident surfaces have no right picture."""
+# The men of each color by their squares, in the order in which they are drawn.
+POSITIONS: dict[str, dict[str, str]] = {
+    "clear": {
+        "g1": "king",
+        "d3": "queen",
+        "e1": "rook",
+        "c4": "bishop",
+        "f3": "knight",
+        "e4": "pawn",
+        "g2": "pawn",
+        "b2": "pawn",
+    },
+    "red": {
+        "g8": "king",
+        "d6": "queen",
+        "b4": "rook",
+        "e6": "bishop",
+        "c6": "knight",
+        "e5": "pawn",
+        "g7": "pawn",
+        "g4": "bishop",
+    },
+}
+# Transmission of one surface; light crosses at least two.
+GLASS: dict[str, RGB] = {"clear": (0.93, 0.97, 0.95), "red": (0.92, 0.30, 0.28)}
+INDEX = 1.5
+IVORY = Material(albedo=(0.70, 0.64, 0.53), specular=0.03, roughness=0.4)
+WALNUT = Material(albedo=(0.20, 0.12, 0.07), specular=0.03, roughness=0.4)
+RIM = Material(albedo=(0.11, 0.065, 0.04), specular=0.03, roughness=0.4)
+GROUND = Material(albedo=(0.42, 0.44, 0.42), specular=0.0)
+
+parameters = {
+    "detail": Parameter(1.0, low=0.0, high=100.0, help="factor on the triangles of a surface"),
+}
+
+
+def build(*, name: str, detail: float) -> Scene:
+    """Return the board on its ground, and one object of glass for each color."""
+    men = [
+        Object(
+            f"{color} men",
+            _men(color, detail),
+            Material(transmission=GLASS[color], index=INDEX, roughness=0.0, solid=True),
+        )
+        for color in POSITIONS
+    ]
+    return Scene(
+        name=name,
+        camera=Camera(position=(1.7, 1.75, 4.3), target=(-0.05, 0.25, 0), fov_y=math.radians(35)),
+        objects=(*_board(), *men),
+        lights=(
+            DirectionalLight(direction=(0.55, -1.0, 0.5), irradiance=(2.2, 2.1, 1.9)),
+            EnvironmentLight(_room()),
+        ),
+    )
+
+
+def _men(color: str, detail: float) -> Mesh:
+    """Return all men of one color; clear men look up the board and red ones down."""
+    ahead = math.pi / 2 if color == "clear" else -math.pi / 2
+    models: dict[str, Mesh] = {}
+    placed = []
+    for square, kind in POSITIONS[color].items():
+        if kind not in models:
+            turned = rotation((0, 1, 0), ahead - 0.5)
+            models[kind] = transform(man(kind, KING_HEIGHT, detail), turned)
+        placed.append(transform(models[kind], translation(_middle(square))))
+    return merge(placed)
+
+
+def _middle(square: str) -> RGB:
+    """Return where a man on a square such as "e4" stands; white's first rank is nearest."""
+    column, row = "abcdefgh".index(square[0]), int(square[1]) - 1
+    return (SQUARE * (column - 3.5), GAP, SQUARE * (3.5 - row))
+
+
+def _board() -> list[Object]:
+    """Return the squares, a rim round them that stands a little lower, and the ground."""
+    half = 4 * SQUARE
+    dark, light = checkers((0, 0, 0), (half, 0, 0), (0, 0, -half), 8, 8)
+    width, thick = 2 * half + 0.3, 0.08
+    rim = box((0, -thick / 2 - GAP, 0), (width, thick, width))
+    ground = box((0, -thick - 2 * GAP - 0.5, 0), (40.0, 1.0, 40.0))
+    return [
+        Object("dark squares", dark, WALNUT, casts=False),
+        Object("light squares", light, IVORY, casts=False),
+        Object("rim", rim, RIM),
+        Object("ground", ground, GROUND, casts=False),
+    ]
+
+
+def _room() -> Texture:
+    """Return a bright room: tall windows ahead to the left and one behind to the right."""
+    bright = (3.4, 3.5, 3.7)
+    windows = (
+        Window(azimuth=-0.9, elevation=0.3, width=0.4, height=0.8, radiance=bright),
+        Window(azimuth=-0.35, elevation=0.3, width=0.4, height=0.8, radiance=bright),
+        Window(azimuth=2.2, elevation=0.4, width=0.8, height=0.6, radiance=(2.0, 1.9, 1.8)),
+    )
+    return room((0.55, 0.56, 0.58), (0.42, 0.41, 0.40), (0.15, 0.13, 0.11), windows)

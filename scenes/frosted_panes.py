@@ -1,0 +1,86 @@
+"""Five teapots behind five panes of glass that scatter more and more from left to right.
+
+The panes are thin sheets of falling collimation, so the teapots, all alike and all as far behind
+their pane, go from sharp to blurred. A checkered box is pressed against the back of each pane and
+stays sharp, since light spreads only over the way between glass and background; the tiles of the
+floor show the blur growing with that way. The arrangement is that of figure 8 of McGuire & Mara
+2017, "Phenomenological Transparency".
+"""
+
+from __future__ import annotations
+
+import math
+
+from oitbench.geometry import divisions, grid, rotation, transform, translation
+from oitbench.lights import DirectionalLight, EnvironmentLight
+from oitbench.patterns import checkered_box, checkers, room
+from oitbench.scene import RGB, Camera, Material, Object, Scene
+from oitbench.selector import Parameter
+from oitbench.teapot import teapot
+
+COLLIMATIONS = (1.0, 0.9, 0.75, 0.5, 0.25)
+PITCH, WIDTH, HEIGHT = 0.72, 0.64, 1.15
+TEAPOT_HEIGHT = 0.27
+BOX = 0.2
+SQUARES = 4
+GAP = 0.001
+"""Metres between surfaces that touch: coincident ones have no right picture."""
+TILE, WALL = 0.24, -3.12
+"""Edge of a tile of the floor, and where the back wall stands, metres."""
+GLASS: RGB = (0.93, 0.93, 0.93)
+
+CLAY = Material(albedo=(0.62, 0.20, 0.09), specular=0.05, roughness=0.35)
+LIGHT_PAINT = Material(albedo=(0.80, 0.79, 0.75), specular=0.0)
+DARK_PAINT = Material(albedo=(0.05, 0.09, 0.20), specular=0.0)
+PALE_TILE = Material(albedo=(0.66, 0.65, 0.62), specular=0.0)
+GREY_TILE = Material(albedo=(0.42, 0.43, 0.44), specular=0.0)
+PLASTER = Material(albedo=(0.60, 0.64, 0.68), specular=0.0)
+
+parameters = {
+    "detail": Parameter(1.0, low=0.0, high=100.0, help="factor on the triangles of a surface"),
+    "distance": Parameter(
+        0.55, low=0.25, high=1.5, help="metres from each pane back to the axis of its teapot"
+    ),
+}
+
+
+def build(*, name: str, detail: float, distance: float) -> Scene:
+    """Return the row; the floor and the wall throw no shadow, all else does."""
+    objects = _surroundings()
+    pot = transform(teapot(TEAPOT_HEIGHT, detail), rotation((0, 1, 0), math.radians(25)))
+    cells = (divisions(8, detail, 2), divisions(16, detail, 2))
+    for number, collimation in enumerate(COLLIMATIONS):
+        x = PITCH * (number - (len(COLLIMATIONS) - 1) / 2)
+        place = translation((x + 0.03, GAP, -distance))
+        objects.append(Object(f"teapot {number}", transform(pot, place), CLAY))
+        corner = (x - WIDTH / 2 + 0.6 * BOX, BOX / 2 + GAP, -BOX / 2 - GAP)
+        light, dark = checkered_box(corner, (BOX, BOX, BOX), SQUARES)
+        objects.append(Object(f"light squares of box {number}", light, LIGHT_PAINT))
+        objects.append(Object(f"dark squares of box {number}", dark, DARK_PAINT))
+        sheet = grid((x, HEIGHT / 2 + GAP, 0), (WIDTH / 2, 0, 0), (0, HEIGHT / 2, 0), *cells)
+        glass = Material(transmission=GLASS, specular=0.04, roughness=0.0, collimation=collimation)
+        objects.append(Object(f"pane {number}", sheet, glass))
+    return Scene(
+        name=name,
+        camera=Camera(position=(0, 1.0, 4.3), target=(0, 0.42, 0), fov_y=math.radians(36)),
+        objects=tuple(objects),
+        lights=(
+            DirectionalLight(direction=(0.75, -1.0, -0.55), irradiance=(2.0, 1.9, 1.75)),
+            EnvironmentLight(room((0.62, 0.66, 0.72), (0.48, 0.5, 0.53), (0.3, 0.29, 0.28), ())),
+        ),
+    )
+
+
+def _surroundings() -> list[Object]:
+    """Return the tiled floor and the wall behind."""
+    columns, rows = 32, 26
+    middle = WALL + rows * TILE / 2
+    pale, grey = checkers(
+        (0, 0, middle), (columns * TILE / 2, 0, 0), (0, 0, -rows * TILE / 2), columns, rows
+    )
+    wall = grid((0, 2.0, WALL), (columns * TILE / 2, 0, 0), (0, 2.0, 0))
+    return [
+        Object("pale tiles", pale, PALE_TILE, casts=False),
+        Object("grey tiles", grey, GREY_TILE, casts=False),
+        Object("wall", wall, PLASTER, casts=False),
+    ]

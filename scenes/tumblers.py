@@ -1,0 +1,128 @@
+"""Drinking glasses on a checkered cloth: refraction in layers, and colored shadows with caustics.
+
+Each glass is one closed solid, a drink in it another that keeps a hair's breadth away from it, so a
+ray meets up to six surfaces that bend it. A spot light behind the glasses throws their colored
+shadows towards the viewer. The subject is that of figure 1 (center) of McGuire & Mara 2017,
+"Phenomenological Transparency". Everything is ten times as large as in life, so that its depths
+spread as those of a room do.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from oitbench.geometry import merge, rotation, transform, translation
+from oitbench.glassware import Vessel, ice_cube, tumbler, wine_glass
+from oitbench.lights import EnvironmentLight, SpotLight
+from oitbench.patterns import Window, checkers, room
+from oitbench.scene import RGB, Camera, Material, Mesh, Object, Scene, Texture
+from oitbench.selector import Parameter
+
+FOOT_GAP = 0.005
+"""Metres between the cloth and what stands on it: coincident surfaces have no right picture."""
+DRINK_GAP = 0.005
+"""Metres of air between a drink and its glass."""
+SQUARE, COLUMNS, ROWS = 0.5, 28, 24
+
+# Transmission is that of one surface, and light crosses at least two to leave.
+CLEAR: RGB = (0.975, 0.985, 0.98)
+GLASS = Material(transmission=CLEAR, index=1.5, roughness=0.0, solid=True)
+ICE = Material(transmission=(0.96, 0.975, 0.985), index=1.31, roughness=0.0, solid=True)
+DRINKS: dict[str, RGB] = {
+    "pomegranate": (0.93, 0.22, 0.20),
+    "lime": (0.52, 0.90, 0.22),
+    "amber": (0.98, 0.66, 0.16),
+}
+PALE_CLOTH = Material(albedo=(0.74, 0.72, 0.68), specular=0.0)
+BLUE_CLOTH = Material(albedo=(0.22, 0.32, 0.46), specular=0.0)
+
+parameters = {
+    "detail": Parameter(1.0, low=0.0, high=100.0, help="factor on the triangles of a surface"),
+}
+
+
+@dataclass(frozen=True)
+class Serving:
+    """A glass, where its foot stands, and the drink in it up to a level, if there is one."""
+
+    name: str
+    vessel: Vessel
+    place: tuple[float, float]
+    drink: str = ""
+    level: float = 0.0
+
+
+SERVINGS = (
+    Serving("tumbler", tumbler(0.30, 0.37, 0.95, 0.03, 0.09), (-1.0, 0.1), "pomegranate", 0.66),
+    Serving("wine glass", wine_glass(0.43, 1.75, 0.022), (-0.05, -0.85), "amber", 1.13),
+    Serving("shot glass", tumbler(0.21, 0.28, 0.62, 0.03, 0.09), (0.1, 0.75), "lime", 0.42),
+    Serving("rocks glass", tumbler(0.37, 0.44, 0.80, 0.03, 0.08), (0.95, -0.1)),
+)
+# Middle of each cube of ice from the foot of the rocks glass, its edge, and its turn round y.
+CUBES = (
+    ((-0.155, 0.225, 0.02), 0.26, 0.08),
+    ((0.150, 0.225, -0.02), 0.25, 1.5),
+    ((0.01, 0.50, 0.01), 0.27, 0.72),
+    ((-0.15, 0.145, 1.0), 0.27, 0.35),
+)
+
+
+def build(*, name: str, detail: float) -> Scene:
+    """Return the table; the cloth throws no shadow, all else does."""
+    objects = _cloth()
+    for serving in SERVINGS:
+        foot = translation((serving.place[0], FOOT_GAP, serving.place[1]))
+        glass = transform(serving.vessel.glass(detail), foot)
+        objects.append(Object(serving.name, glass, GLASS))
+        if serving.drink:
+            drink = transform(serving.vessel.filling(serving.level, DRINK_GAP, detail), foot)
+            objects.append(Object(serving.drink, drink, _liquid(DRINKS[serving.drink])))
+    objects.append(Object("ice", _ice(detail), ICE))
+    return Scene(
+        name=name,
+        camera=Camera(position=(0.3, 2.35, 5.4), target=(0, 0.5, 0), fov_y=math.radians(30)),
+        objects=tuple(objects),
+        lights=(
+            SpotLight(
+                position=(-1.6, 6.0, -4.5),
+                target=(0, 0, 0.3),
+                intensity=(165.0, 158.0, 145.0),
+                angle=math.radians(50),
+            ),
+            EnvironmentLight(_room()),
+        ),
+    )
+
+
+def _liquid(transmission: RGB) -> Material:
+    return Material(transmission=transmission, index=1.33, roughness=0.0, solid=True)
+
+
+def _ice(detail: float) -> Mesh:
+    """Return all cubes: three in the rocks glass and one on the cloth."""
+    x, z = SERVINGS[-1].place
+    cubes = []
+    for middle, edge, turn in CUBES:
+        cube = ice_cube((edge, edge, edge), 0.16 * edge, detail)
+        place = translation((x + middle[0], FOOT_GAP + middle[1], z + middle[2]))
+        cubes.append(transform(cube, place @ rotation((0, 1, 0), turn)))
+    return merge(cubes)
+
+
+def _cloth() -> list[Object]:
+    across, along = (COLUMNS * SQUARE / 2, 0.0, 0.0), (0.0, 0.0, -ROWS * SQUARE / 2)
+    pale, blue = checkers((0, 0, 0), across, along, COLUMNS, ROWS)
+    return [
+        Object("pale squares", pale, PALE_CLOTH, casts=False),
+        Object("blue squares", blue, BLUE_CLOTH, casts=False),
+    ]
+
+
+def _room() -> Texture:
+    """Return a dim room with a window ahead to the left, and one behind the viewer."""
+    windows = (
+        Window(azimuth=-0.6, elevation=0.35, width=0.7, height=0.6, radiance=(3.0, 3.2, 3.5)),
+        Window(azimuth=2.5, elevation=0.4, width=0.9, height=0.6, radiance=(2.2, 2.1, 1.9)),
+    )
+    return room((0.45, 0.46, 0.48), (0.40, 0.38, 0.36), (0.16, 0.14, 0.12), windows)
