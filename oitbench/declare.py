@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import enum
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import ClassVar
 
 from oitbench.effects import SHADING, Effect
@@ -110,6 +110,8 @@ class Target:
         One value a component, set at the start of each frame.
     when : Effect
         Allocated only if one of these effects runs; NONE for always.
+    instead : mapping of Effect to str
+        Formats to have instead while one of these effects runs.
     single : bool
         Whether the target has one sample a pixel also in a multisampled frame. A pass that writes
         such targets writes no others, and rasterizes pixel centers.
@@ -119,6 +121,12 @@ class Target:
     clear: tuple[float, ...] = (0.0,)
     when: Effect = Effect.NONE
     single: bool = False
+    instead: Mapping[Effect, str] = field(default_factory=dict)
+
+    def under(self, effects: Effect) -> Target:
+        """Return the target as it is while `effects` run."""
+        chosen = [name for effect, name in self.instead.items() if effect & effects]
+        return replace(self, format=chosen[0], instead={}) if chosen else self
 
     @property
     def texel(self) -> Format:

@@ -57,6 +57,7 @@ FORMATS: dict[str, Format] = {
     entry.name: entry
     for entry in (
         Format("r8", 1, "f1", 1, 1 / 255),
+        Format("rgb8", 3, "f1", 3, 1 / 255),
         Format("rgba8", 4, "f1", 4, 1 / 255),
         Format("rg8_snorm", 2, "f1", 2, 1 / 127, internal=0x8F95),
         Format("r16f", 1, "f2", 2, _HALF),

@@ -86,7 +86,7 @@ class Frame:
         self.mechanism = self._mechanism(mechanism)
         self.complexity = count_fragments(device, geometry, size)
         self._check_depth()
-        targets = {k: t for k, t in method.targets.items() if runs(t.when, effects)}
+        targets = {k: t.under(effects) for k, t in method.targets.items() if runs(t.when, effects)}
         color = targets.pop("color", Target("rgba16f"))
         if self.mechanism == "spin lock":
             targets["lock"] = Target("r32ui")
@@ -102,6 +102,14 @@ class Frame:
         }
         shared = {n: device.texture(size, self.declared[n].texel, self.samples) for n in _SHARED}
         self.textures = {**self.resources.textures, **shared}
+        if any(
+            item.draws is Draws.FRAGMENTS and "opaque_depth" in item.reads
+            for step in method.passes
+            for item in passes_of(step)
+        ):
+            # What a pass tests against it may not read as well: it gets a copy.
+            copied = device.texture(size, DEPTH.texel, self.samples)
+            self.textures["opaque_depth_copy"] = copied
         if self.samples > 1 and any(target.single for target in targets.values()):
             self.textures["opaque_depth_single"] = device.texture(size, DEPTH.texel)
         self.lighting = lighting_of(device, geometry, effects)
@@ -205,6 +213,9 @@ class Frame:
                 self.device, self.geometry, self._view, behind, self.declared["color"],
                 self.samples, transmittance, self.lighting, self.effects,
             )  # fmt: skip
+            if "opaque_depth_copy" in self.textures:
+                copied = self.textures["opaque_depth_copy"]
+                self.device.copy(behind[1], copied, self.size, self.samples)
             if "opaque_depth_single" in self.textures:
                 self._draw_opaque_single()
             self._transmittance = transmittance

@@ -175,6 +175,8 @@ def compile_pass(
     }
     lighting = blueprint.lighting
     if step.draws is Draws.FRAGMENTS:
+        if "opaque_depth" in step.reads:
+            samplers["opaque_depth_texture"] = textures["opaque_depth_copy"]
         samplers.update(geometry.textures)
     if lighting is not None:
         samplers.update(lighting.textures)

@@ -222,7 +222,7 @@ def reads(step: Pass, targets: Mapping[str, Target], samples: int = 1) -> str:
         entry = _target(step, name, targets).texel
         if name in step.writes:
             raise DeclarationError(f"{step.shader}: reads and writes '{name}' in one pass")
-        swizzle = {1: ".r", 2: ".rg"}.get(entry.components, "")
+        swizzle = {1: ".r", 2: ".rg", 3: ".rgb"}.get(entry.components, "")
         several = samples > 1 and not targets[name].single
         sampler = f"{'u' if entry.integer else ''}sampler2D{'MS' if several else ''}"
         which = "gl_SampleID" if several else "0"

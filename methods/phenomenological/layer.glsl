@@ -1,0 +1,49 @@
+// What one layer adds to the targets (McGuire & Mara 2017, sections 4.3 to 4.5 and listing 1).
+#include "model.glsl"
+
+// Linear distance of a window depth, m; infinite for an empty pixel behind an infinite far plane.
+float view_distance(float depth) {
+    return near_plane / max(1.0 - depth * (1.0 - near_plane / far_plane), 1e-30);
+}
+
+// Equation 5, or that of the authors' engine.
+float depth_weight(float opacity, float depth) {
+#if DEPTH_WEIGHT == DEPTH_WEIGHT_G3D
+    float near_part = 1.0 - 0.99 * depth;
+    return clamp(opacity * clamp(1e4 * near_part * near_part * near_part, 1e-3, 1.0), 1e-3, 150.0);
+#else
+    float x = 10.0 * (1.0 - 0.99 * depth) * opacity;
+    return clamp(x * x * x, 0.01, 30.0);
+#endif
+}
+
+// Variance of the blur, in stored units: equation 7, in pixels.
+float blur_variance(float distance, float behind, float collimation, float part) {
+    float spread = 1.0 - K1 / (K1 + abs(behind - distance));
+    float blur = pixel_focal * K0 * (1.0 - collimation) * part * spread / max(distance, 1e-6);
+    float stored = blur / UNIT;
+    return stored > 0.0 ? max(stored * stored, LEAST) : 0.0;
+}
+
+// Where the view ray, bent at the surface, meets a plane behind it, in pixels from here.
+vec2 refraction_offset(Fragment fragment, float behind) {
+    if (fragment.index == 1.0) {
+        return vec2(0.0);
+    }
+    float eta = fragment.entering ? 1.0 / fragment.index : fragment.index;
+    vec3 position = (world_to_camera * vec4(fragment.position, 1.0)).xyz;
+    vec3 normal = mat3(world_to_camera) * fragment.normal;
+    // GLSL gives zero where all light is reflected.
+    vec3 bent = refract(normalize(position), normal, eta);
+    if (bent.z > -1e-3) {
+        return vec2(0.0);
+    }
+#if REACH == REACH_PAPER
+    float reach = PAPER_REACH;
+#else
+    float reach = clamp(behind - fragment.z, 0.0, FARTHEST);
+#endif
+    vec3 target = position + reach * bent / abs(bent.z);
+    // Differences first: both projections are large beside their distance.
+    return pixel_focal * (target.xy / -target.z - position.xy / -position.z);
+}

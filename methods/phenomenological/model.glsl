@@ -1,0 +1,12 @@
+// Constants of the model, and what both stages agree on about targets.
+const float K0 = 0.25;              // m
+const float K1 = 0.5;               // m
+const float PAPER_REACH = 2.0;      // m
+const float FARTHEST = 1e4;         // m; stands for a background at infinity
+#if PRECISION == PRECISION_PAPER
+const float UNIT = 63.0;            // pixels that one stands for in delta and in the root of D^2
+const float LEAST = 1.0 / 255.0;    // what 8 bits can hold
+#else
+const float UNIT = 1.0;
+const float LEAST = 0.0;
+#endif
