@@ -88,6 +88,25 @@ def traffic(frame: Frame, records: list[PassRecord]) -> list[Term]:
     return [term for term in terms if term.items]
 
 
+def shading(frame: Frame) -> dict[str, Any]:
+    """Return memory and traffic of the stages that shade, and so are the same for every method.
+
+    These are the shadow maps and what filters them; `frame` must have been measured.
+    """
+    maps = [] if frame.lighting is None else frame.lighting.memory()
+    terms = [Term(*moved) for moved in frame.shading_moved if moved[3]]
+    return {
+        "memory": {
+            "bytes": sum(size for _, size in maps),
+            "terms": [{"resource": name, "bytes": size} for name, size in maps],
+        },
+        "traffic": {
+            "bytes": sum(term.bytes for term in terms),
+            "terms": [term.facts() for term in terms],
+        },
+    }
+
+
 def _texels(frame: Frame, target: str) -> int:
     samples = 1 if frame.declared[target].single else frame.samples
     return frame.size[0] * frame.size[1] * samples

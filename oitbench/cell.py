@@ -259,6 +259,7 @@ class Bench:
                 "bytes": sum(term.bytes for term in terms),
                 "terms": [term.facts() for term in terms],
             },
+            "shading": accounting.shading(frame),
         }
         frame.release()
         return cost
@@ -316,11 +317,13 @@ class Bench:
                 frame = frames[str(cell.key)]
                 records: list[PassRecord] = []
                 frame.issue(records, check=False)
-                passes = [
-                    {"name": r.name, "ms": r.milliseconds, "fragments": r.fragments}
-                    for r in records
-                ]
-                facts.append({**timings[str(cell.key)].facts(), "passes": passes})
+                facts.append(
+                    {
+                        **timings[str(cell.key)].facts(),
+                        "shading": [_passed(record) for record in frame.shading_records],
+                        "passes": [_passed(record) for record in records],
+                    }
+                )
             for frame in frames.values():
                 frame.release()
             geometry.release()
@@ -334,6 +337,10 @@ def _both(frame: Frame, ssaa: int) -> tuple[Image, Image]:
     frame.render(transmittance=True)
     transmittance = images.box_downsample(frame.image(), ssaa)
     return image, transmittance
+
+
+def _passed(record: PassRecord) -> Record:
+    return {"name": record.name, "ms": record.milliseconds, "fragments": record.fragments}
 
 
 def _told(nonfinite: dict[str, int]) -> str:
