@@ -13,7 +13,6 @@ import numpy.typing as npt
 import pytest
 
 from oitbench.errors import CapabilityError, SceneError, UsageError
-from oitbench.lights import DirectionalLight, Medium
 from oitbench.path_traced import llvm
 from oitbench.path_traced.exporter import export, require_traceable
 from oitbench.path_traced.render import _Statistics, render
@@ -272,20 +271,6 @@ def _footprints(
     dx = (uv((tiny, 0)) - uv((-tiny, 0))) / (2 * tiny) * texels
     dy = (uv((0, tiny)) - uv((0, -tiny))) / (2 * tiny) * texels
     return uv((0, 0)), level_of_detail(dx, dy, levels)
-
-
-def test_what_cannot_be_traced_yet_is_refused_in_one_line() -> None:
-    plain = _stack(_materials(1))
-    glass = Object("glass", _quad(), Material(0.5, index=1.5, collimation=0.5))
-    cases = {
-        "lights": dataclasses.replace(plain, lights=(DirectionalLight((0.0, -1.0, 0.0)),)),
-        "a medium": dataclasses.replace(plain, medium=Medium(0.1, (-1, -1, -1), (1, 1, 1))),
-        "refraction and diffusion": dataclasses.replace(plain, objects=(glass,)),
-    }
-    for reason, scene in cases.items():
-        with pytest.raises(CapabilityError, match=reason):
-            require_traceable(scene)
-    require_traceable(plain)
 
 
 def test_fragment_lists_have_no_path_traced_truth() -> None:

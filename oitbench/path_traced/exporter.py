@@ -7,7 +7,7 @@ structure hold everything, however many objects a scene has.
 from __future__ import annotations
 
 import importlib
-from collections.abc import Hashable, Iterable, Sequence
+from collections.abc import Hashable, Sequence
 from types import ModuleType
 from typing import Any
 
@@ -17,35 +17,26 @@ from oitbench.errors import CapabilityError
 from oitbench.path_traced import llvm
 from oitbench.path_traced.film import (
     ABSORPTION,
+    COVERAGE,
     LIGHT,
+    REFLECTANCE,
     Film,
     FilteredTexture,
     make_bsdf,
     make_emitter,
 )
+from oitbench.path_traced.photons import solids
+from oitbench.path_traced.reflection import interface_roughness
 from oitbench.path_traced.view import View
-from oitbench.scene import BLACK, RGB, Array, Material, Object, Scene, Texture
+from oitbench.scene import BLACK, RGB, Array, Material, Mesh, Object, Scene, Texture
 from oitbench.texturing import premultiplied_pyramid
 
 
 def require_traceable(scene: Scene) -> None:
-    """Raise `CapabilityError` with one line if this version cannot path-trace `scene`."""
+    """Raise `CapabilityError` with one line if `scene` has no path-traced truth."""
     if scene.lists is not None:
         raise CapabilityError(
             f"scene {scene.name}: fragment lists have no geometry, so there is no path-traced truth"
-        )
-    materials = [item.material for item in scene.objects]
-    missing = {
-        "lights": bool(scene.lights),
-        "a medium": scene.medium is not None,
-        "refraction": any(material.index != 1 for material in materials),
-        "diffusion": any(material.collimation < 1 for material in materials),
-        "ambient occlusion": scene.ambient_occlusion,
-    }
-    called = [name for name, present in missing.items() if present]
-    if called:
-        raise CapabilityError(
-            f"scene {scene.name}: the path tracer does not simulate {' and '.join(called)} yet"
         )
 
 
@@ -72,8 +63,23 @@ def _require_distinct(scene: Scene) -> None:
         )
 
 
+def layout(scene: Scene) -> dict[str, list[Object]]:
+    """Return the objects of `scene` by the id of their Mitsuba shape.
+
+    Each refracting solid has a shape of its own; all others share one with those of their texture.
+    """
+    bending = solids(scene)
+    apart = {id(item) for item in bending.values()}
+    groups: dict[Hashable, list[Object]] = {}
+    for item in scene.objects:
+        if id(item) not in apart:
+            groups.setdefault(_texture_key(item.material), []).append(item)
+    films = {f"films_{number}": group for number, group in enumerate(groups.values())}
+    return films | {name: [item] for name, item in bending.items()}
+
+
 def export(scene: Scene, view: View, mitsuba: ModuleType | None = None) -> Any:
-    """Build the Mitsuba scene that `view` sees.
+    """Build the Mitsuba scene that `view` sees: its surfaces, and its background.
 
     Parameters
     ----------
@@ -90,29 +96,30 @@ def export(scene: Scene, view: View, mitsuba: ModuleType | None = None) -> Any:
     Raises
     ------
     CapabilityError
-        If the scene has what this version cannot trace, or Mitsuba is not installed.
+        If the scene has no path-traced truth, or Mitsuba is not installed.
     """
+    mitsuba = llvm.load() if mitsuba is None else mitsuba
+    return export_with_textures(scene, view, mitsuba)[0]
+
+
+def export_with_textures(
+    scene: Scene, view: View, mitsuba: ModuleType
+) -> tuple[Any, dict[str, FilteredTexture]]:
+    """Return what `export` does, and the textures by the ids of their shapes."""
     require_traceable(scene)
     _require_distinct(scene)
-    mitsuba = llvm.load() if mitsuba is None else mitsuba
     drjit = importlib.import_module("drjit")
     content: dict[str, Any] = {"type": "scene"}
-    for number, group in enumerate(_groups(scene.objects)):
+    textures: dict[str, FilteredTexture] = {}
+    for name, group in layout(scene).items():
         pyramid = premultiplied_pyramid(group[0].material)
-        texture = None if pyramid is None else FilteredTexture.build(mitsuba, drjit, pyramid, view)
-        content[f"films_{number}"] = _mesh(mitsuba, Film(mitsuba, drjit, view, texture), group)
+        if pyramid is not None:
+            textures[name] = FilteredTexture.build(mitsuba, drjit, pyramid, view)
+        content[name] = _mesh(mitsuba, Film(mitsuba, drjit, view, textures.get(name)), group)
     if scene.background != BLACK:
         radiance = {"type": "rgb", "value": [float(value) for value in scene.background]}
         content["background"] = {"type": "constant", "radiance": radiance}
-    return mitsuba.load_dict(content)
-
-
-def _groups(objects: Iterable[Object]) -> list[list[Object]]:
-    """Collect the objects that share their textures, if any."""
-    groups: dict[Hashable, list[Object]] = {}
-    for item in objects:
-        groups.setdefault(_texture_key(item.material), []).append(item)
-    return list(groups.values())
+    return mitsuba.load_dict(content), textures
 
 
 def _texture_key(material: Material) -> Hashable:
@@ -124,59 +131,99 @@ def _texture_key(material: Material) -> Hashable:
 
 def _mesh(mitsuba: ModuleType, film: Film, group: Sequence[Object]) -> Any:
     textured = film.texture is not None
-    light = np.concatenate([_light(item, textured) for item in group])
-    absorption = np.concatenate([_absorption(item, textured) for item in group])
+    meshes = [_with_normals(item.mesh) for item in group]
+    light = np.concatenate(
+        [_light(item.material, mesh, textured) for item, mesh in zip(group, meshes, strict=True)]
+    )
     properties = mitsuba.Properties("mesh")
-    properties["film"] = make_bsdf(film)
+    bends = group[0].material.refracts and not group[0].material.opaque
+    properties["film"] = _interface(mitsuba, group[0].material) if bends else make_bsdf(film)
     if light.any():
         properties["glow"] = make_emitter(film)
-    positions = np.concatenate([item.mesh.positions for item in group])
-    faces = _joined_triangles(group)
+    faces = _joined_triangles(meshes)
     mesh = mitsuba.Mesh(
         "films",
-        len(positions),
+        sum(len(part.positions) for part in meshes),
         len(faces),
         props=properties,
+        has_vertex_normals=True,
         has_vertex_texcoords=textured,
     )
     mesh.add_attribute(LIGHT, 3, light.ravel())
-    mesh.add_attribute(ABSORPTION, 3, absorption.ravel())
+    for name, column in _attributes(group, textured).items():
+        mesh.add_attribute(name, column.shape[1], column.ravel())
     values = mitsuba.traverse(mesh)
-    values["vertex_positions"] = np.ascontiguousarray(positions, dtype=np.float32).ravel()
     values["faces"] = faces.ravel()
+    values["vertex_positions"] = _joined([part.positions for part in meshes])
+    values["vertex_normals"] = _joined([part.normals for part in meshes])
     if textured:
-        uvs = [item.mesh.uvs for item in group if item.mesh.uvs is not None]
-        values["vertex_texcoords"] = np.concatenate(uvs).astype(np.float32).ravel()
+        values["vertex_texcoords"] = _joined([part.uvs for part in meshes])
     values.update()
     return mesh
 
 
-def _joined_triangles(group: Sequence[Object]) -> Any:
-    counts = [len(item.mesh.positions) for item in group]
+def _interface(mitsuba: ModuleType, material: Material) -> Any:
+    """Return Mitsuba's own BSDF for the surface of a refracting solid."""
+    content = {"type": "dielectric", "int_ior": float(material.index), "ext_ior": 1.0}
+    alpha = interface_roughness(material)
+    if alpha > 0:
+        content |= {"type": "roughdielectric", "distribution": "beckmann", "alpha": alpha}
+    return mitsuba.load_dict(content)
+
+
+def _with_normals(mesh: Mesh) -> Mesh:
+    """Return `mesh`, or if it has no normals the same with three vertices for each flat face."""
+    if mesh.normals is not None:
+        return mesh
+    corners = mesh.triangles.ravel()
+    points = mesh.positions[mesh.triangles].astype(np.float64)
+    normals = np.cross(points[:, 1] - points[:, 0], points[:, 2] - points[:, 0])
+    length = np.linalg.norm(normals, axis=1, keepdims=True)
+    normals = np.divide(normals, length, out=np.zeros_like(normals), where=length > 0)
+    return Mesh(
+        mesh.positions[corners],
+        np.arange(len(corners), dtype=np.uint32).reshape(-1, 3),
+        None if mesh.uvs is None else mesh.uvs[corners],
+        None if mesh.radiance is None else mesh.radiance[corners],
+        np.repeat(normals, 3, axis=0).astype(np.float32),
+    )
+
+
+def _joined(parts: Sequence[Array | None]) -> Any:
+    present = [part for part in parts if part is not None]
+    return np.concatenate(present).astype(np.float32).ravel()
+
+
+def _joined_triangles(meshes: Sequence[Mesh]) -> Any:
+    counts = [len(mesh.positions) for mesh in meshes]
     starts = np.concatenate([[0], np.cumsum(counts)[:-1]])
     parts = [
-        item.mesh.triangles.astype(np.uint32) + np.uint32(start)
-        for item, start in zip(group, starts, strict=True)
+        mesh.triangles.astype(np.uint32) + np.uint32(start)
+        for mesh, start in zip(meshes, starts, strict=True)
     ]
     return np.concatenate(parts)
 
 
-def _light(item: Object, textured: bool) -> Array:
+def _light(material: Material, mesh: Mesh, textured: bool) -> Array:
     """Return α·L at the vertices, without what a texture gives."""
-    mesh, material = item.mesh, item.material
     light = np.ones((len(mesh.positions), 3)) if mesh.radiance is None else mesh.radiance
     if not textured:
         light = light * np.multiply(_value(material.emission), _value(material.coverage))
     return light.astype(np.float32)
 
 
-def _absorption(item: Object, textured: bool) -> Array:
-    """Return α(1 − t) on the triangles, without an α that a texture gives."""
-    material = item.material
-    absorption = 1 - np.asarray(material.transmission, dtype=np.float64)
-    if not textured:
-        absorption = absorption * np.asarray(_value(material.coverage))
-    return np.tile(absorption, (len(item.mesh.triangles), 1)).astype(np.float32)
+def _attributes(group: Sequence[Object], textured: bool) -> dict[str, Array]:
+    """Return values on the triangles, without an α that a texture gives."""
+    rows = []
+    for item in group:
+        material = item.material
+        coverage = 1.0 if textured else np.asarray(_value(material.coverage), dtype=np.float64)
+        kept = np.multiply(material.transmission, 1 - np.asarray(material.albedo))
+        reflectance = 0.0 if material.isotropic else material.reflectance
+        rows.append([*(coverage * (1 - kept)), coverage, reflectance])
+    counts = [len(item.mesh.triangles) for item in group]
+    values = np.repeat(np.asarray(rows, dtype=np.float32), counts, axis=0)
+    return {ABSORPTION: values[:, :3], COVERAGE: values[:, 3:4], REFLECTANCE: values[:, 4:]}
 
 
 def _value(value: float | RGB | Texture) -> float | RGB:

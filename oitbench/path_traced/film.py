@@ -16,17 +16,22 @@ from typing import Any
 
 import numpy as np
 
+from oitbench.path_traced.reflection import schlick
 from oitbench.path_traced.view import View
 from oitbench.scene import Array
 
 LIGHT = "vertex_light"
 """Mesh attribute: α·L, or the factor on it where a texture gives α·L."""
 ABSORPTION = "face_absorption"
-"""Mesh attribute: α(1 − t), or 1 − t where a texture gives α.
+"""Mesh attribute: α(1 − T(1 − albedo)), or without α where a texture gives it.
 
 Constant on each triangle: interpolated between equal vertices, 1 would come out as 0.99999998, and
 what is very bright would shine through what is opaque.
 """
+COVERAGE = "face_coverage"
+"""Mesh attribute: α, or 1 where a texture gives it."""
+REFLECTANCE = "face_reflectance"
+"""Mesh attribute: F₀."""
 
 
 @dataclass(frozen=True)
@@ -147,9 +152,12 @@ class Film:
     texture: FilteredTexture | None = None
 
     def transmittance(self, si: Any, active: Any) -> Any:
-        """Return τ = 1 − α + αt."""
+        """Return τ = 1 − α + αt, with t = T (1 − F)(1 − albedo)."""
         color = self.mitsuba.Color3f
         absorption = color(si.shape.eval_attribute_3(ABSORPTION, si, active))
+        coverage = si.shape.eval_attribute_1(COVERAGE, si, active)
+        reflectance = si.shape.eval_attribute_1(REFLECTANCE, si, active)
+        absorption += schlick(self.drjit, reflectance, abs(si.wi.z)) * (coverage - absorption)
         if self.texture is not None:
             absorption = absorption * self.texture(si)[3]
         return self._within(si, 1 - absorption, color(1))

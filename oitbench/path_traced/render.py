@@ -2,18 +2,23 @@
 
 from __future__ import annotations
 
+import importlib
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from oitbench.errors import SceneError, UsageError
+from oitbench.effects import Effect
+from oitbench.errors import CapabilityError, SceneError, UsageError
 from oitbench.images import Image, box_downsample
 from oitbench.path_traced import llvm
-from oitbench.path_traced.exporter import export
-from oitbench.path_traced.integrators import make_straight, make_volpath, trace
+from oitbench.path_traced.exporter import export, export_with_textures, layout
+from oitbench.path_traced.integrators import Integrator, make_straight, make_volpath, trace
+from oitbench.path_traced.photons import CausticMap
+from oitbench.path_traced.surfaces import Surfaces
 from oitbench.path_traced.view import View
+from oitbench.path_traced.walk import Walk, is_random, is_straight
 from oitbench.scene import Scene
 
 Progress = Callable[[int, int], None]
@@ -21,6 +26,10 @@ Progress = Callable[[int, int], None]
 
 _CHUNK = 1 << 17
 """Rays traced at once: some hundred bytes each, so that memory stays far below 1 GB."""
+
+
+_PHOTONS = 1 << 21
+"""Photons of a caustic map."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,12 +99,12 @@ def render(
     _check(size, ssaa, spp)
     mitsuba = llvm.load(variant)
     view = View(scene.camera, size[0] * ssaa, size[1] * ssaa)
-    exported = export(scene, view, mitsuba)
-    integrator = make_volpath(mitsuba) if volpath else make_straight(mitsuba)
+    exported, make = _prepare(scene, view, mitsuba, volpath)
     chunks = _chunks(view)
-    passes = spp if volpath else 1
+    passes = spp if volpath or is_random(scene) else 1
     statistics = _Statistics()
     for sample in range(passes):
+        integrator = make(sample)
         image = np.empty((view.width * view.height, 3), dtype=np.float32)
         for number, (first, last) in enumerate(chunks):
             state = int(np.random.SeedSequence((seed, sample, number)).generate_state(1)[0])
@@ -107,6 +116,28 @@ def render(
             raise SceneError(f"scene {scene.name}: {broken} path-traced rays are not finite")
         statistics.add(box_downsample(image.reshape(view.height, view.width, 3), ssaa))
     return statistics.estimate()
+
+
+def _prepare(
+    scene: Scene, view: View, mitsuba: Any, volpath: bool
+) -> tuple[Any, Callable[[int], Integrator]]:
+    """Return the Mitsuba scene, and what makes an integrator for each sample."""
+    if volpath or is_straight(scene):
+        integrator = make_volpath(mitsuba) if volpath else make_straight(mitsuba)
+        return export(scene, view, mitsuba), lambda sample: integrator
+    if mitsuba.variant().startswith("scalar"):
+        raise CapabilityError(
+            f"scene {scene.name}: lights, media and solids are path traced with LLVM only; "
+            f"{llvm.MEND}"
+        )
+    drjit = importlib.import_module("drjit")
+    exported, textures = export_with_textures(scene, view, mitsuba)
+    surfaces = Surfaces.build(mitsuba, drjit, view, exported, layout(scene), textures)
+    caustics = None
+    if Effect.CAUSTICS in scene.effects:
+        caustics = CausticMap.build(mitsuba, drjit, exported, scene, _PHOTONS, 1)
+    walk = Walk(mitsuba, scene, surfaces, caustics)
+    return exported, lambda sample: walk
 
 
 def _chunks(view: View) -> list[tuple[int, int]]:
