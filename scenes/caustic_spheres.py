@@ -1,0 +1,108 @@
+"""Four clear solids over a light floor under one inclined spot light, to compare their caustics.
+
+The balls have refractive indices 1.0, 1.3 and 1.5: the first is a tinted volume that bends no light
+and throws an even shadow, the others gather light in the middle of theirs, the more the higher the
+index. The fourth is a knotted ring of index 1.5, whose light crosses several walls. All have the
+same tint. The floor is a gradient because the light is inclined. Figures 10 and 11 of McGuire &
+Mara 2017, "Phenomenological Transparency".
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from oitbench.geometry import Floats, divisions, quad, sphere
+from oitbench.lights import SpotLight
+from oitbench.scene import RGB, Camera, Material, Mesh, Object, Scene
+from oitbench.selector import Parameter
+from oitbench.skies import gradient_sky
+
+parameters = {
+    "detail": Parameter(1.0, low=0.0, high=100.0, help="factor on the triangles of a surface"),
+}
+
+TINT: RGB = (0.94, 0.88, 0.78)  # transmission of one wall
+RADIUS = 0.42
+HEIGHT = 0.62  # of the middles over the floor, metres
+# Refractive index of each ball, and where it stands along the row.
+BALLS = ((1.0, -1.65), (1.3, -0.55), (1.5, 0.55))
+KNOT: RGB = (1.65, HEIGHT, 0.0)
+# The knot winds round a ring: radii of the ring, of the winding and of the strand, metres.
+RING, WINDING, STRAND = 0.235, 0.105, 0.075
+TURNS, WINDINGS = 2, 3
+SURROUNDINGS = ((-90.0, (0.08, 0.08, 0.08)), (0.0, (0.20, 0.20, 0.21)), (90.0, (0.12, 0.14, 0.17)))
+
+
+def build(*, name: str, detail: float) -> Scene:
+    """Return the floor, the balls in ascending order of index, and the knot."""
+    camera = Camera(position=(0.0, 2.7, 4.9), target=(0.05, 0.38, 0.12), fov_y=math.radians(37))
+    paper = Material(albedo=(0.62, 0.62, 0.62), specular=0.0)
+    objects = [Object("floor", quad((0, 0, 0), (30, 0, 0), (0, 0, -30)), paper, casts=False)]
+    slices = divisions(96, detail, 12)
+    for index, x in BALLS:
+        ball = sphere((x, HEIGHT, 0.0), RADIUS, slices, slices // 2)
+        objects.append(Object(f"ball of index {index}", ball, _glass(index)))
+    objects.append(Object("knot of index 1.5", _knot(detail), _glass(1.5)))
+    spot = SpotLight(
+        position=(-0.7, 4.4, -2.4),
+        target=(0.1, 0.0, -0.4),
+        intensity=(78.0, 76.0, 72.0),
+        angle=math.radians(112),
+    )
+    return Scene(name, camera, tuple(objects), lights=(spot, gradient_sky(SURROUNDINGS)))
+
+
+def _glass(index: float) -> Material:
+    return Material(transmission=TINT, index=index, roughness=0.0, solid=True)
+
+
+def _knot(detail: float) -> Mesh:
+    """Return a closed tube along a torus knot; its first rows and columns follow its last."""
+    lengths, sides = divisions(240, detail, 48), divisions(20, detail, 6)
+    along = np.arange(lengths) / lengths * 2 * math.pi
+    center = _strand(along)
+    tangent = _unit(_strand(along + 1e-4) - _strand(along - 1e-4))
+    # Away from the middle of the ring's tube: never along the strand, and the same after a round.
+    away = _unit(center - _ring(along))
+    side = np.cross(tangent, away)
+    round_ = (np.arange(sides) / sides * 2 * math.pi)[None, :, None]
+    normals = np.cos(round_) * away[:, None] + np.sin(round_) * side[:, None]
+    positions = np.asarray(KNOT) + center[:, None] + STRAND * normals
+    row, column = np.meshgrid(np.arange(lengths), np.arange(sides), indexing="ij")
+    next_row, next_column = (row + 1) % lengths, (column + 1) % sides
+    corners = (
+        row * sides + column,
+        row * sides + next_column,
+        next_row * sides + next_column,
+        next_row * sides + column,
+    )
+    a, b, c, d = (corner.ravel() for corner in corners)
+    triangles = np.concatenate([np.stack([a, b, c], axis=1), np.stack([a, c, d], axis=1)])
+    return Mesh(
+        positions.reshape(-1, 3).astype(np.float32),
+        triangles.astype(np.uint32),
+        normals=normals.reshape(-1, 3).astype(np.float32),
+    )
+
+
+def _strand(along: Floats) -> Floats:
+    """Return the knot's middle line round the origin, tilted towards the viewer, shape (n, 3)."""
+    reach = RING + WINDING * np.cos(WINDINGS * along)
+    return _tilted(reach, WINDING * np.sin(WINDINGS * along), TURNS * along)
+
+
+def _ring(along: Floats) -> Floats:
+    return _tilted(np.full_like(along, RING), np.zeros_like(along), TURNS * along)
+
+
+def _tilted(reach: Floats, height: Floats, angle: Floats) -> Floats:
+    tilt = math.radians(50)
+    x, y, z = reach * np.cos(angle), height, reach * np.sin(angle)
+    turned = [x, math.cos(tilt) * y - math.sin(tilt) * z, math.sin(tilt) * y + math.cos(tilt) * z]
+    return np.stack(turned, axis=1)
+
+
+def _unit(vectors: Floats) -> Floats:
+    return np.asarray(vectors / np.linalg.norm(vectors, axis=-1, keepdims=True))
