@@ -38,7 +38,8 @@ and decoded, 381 pixel metres, over its focal lengths; f belongs into D, so that
 resolution; variances add, not deviations; the bent ray is Snell's; offsets are encoded and decoded
 by 63 pixels; self-modulation is TVCG's, under which opaque layers keep their brightness.
 
-Known failures: a layer of colored transmission tints its own reflection by (1 - t) / (1 - mean t),
+Known failures: behind several tinted layers 8 bits hold beta to one part in three, and so S depends
+on the order of the draws; a layer of colored transmission tints its own reflection by (1 - t) / (1 - mean t),
 and a perfectly clear one loses highlights, emission and refraction where beta rounds to one; front
 layers of alpha = 1 do not hide the color of transparent layers behind them; transparent layers do
 not bend or blur each other; what lies beyond the edge of the picture cannot be seen in a bend. w
@@ -76,7 +77,13 @@ class Phenomenological(Method):
             "paper", choices=("paper", "half", "float"), grid=("paper", "half"), help="of targets"
         ),
     }
-    holds = frozenset({"U1", "U3", "U4", "U6", "U7", "U8", "U10", "U12"})
+
+    @property
+    def holds(self) -> frozenset[str]:
+        always = {"U1", "U2", "U3", "U6", "U7", "U8", "U10", "U12"}
+        # Hues of a beta that 8 bits hold to one part in three depend on how it was rounded.
+        coarse = self.values["precision"] == "paper" and self.values["modulation"] != "none"
+        return frozenset(always if coarse else always | {"U4"})
 
     @property
     def targets(self) -> Mapping[str, Target]:
