@@ -20,8 +20,8 @@ Floats = npt.NDArray[np.float64]
 
 CELLS = 256
 """Most cells on the longer side of the grid."""
-PHOTONS_PER_CELL = 16
-"""Few photons get a coarser grid rather than fewer than this many in a cell."""
+PHOTONS_PER_CELL = 64
+"""Few photons get a coarser grid, rather than fewer than these, which a cell spreads evenly."""
 NEAREST = 1e-3
 """Metres before a spot light; a triangle that comes nearer may cover all of its cone."""
 ADDENDS = (3242174889, 2447445413)
@@ -112,24 +112,26 @@ class Aim:
         x, y = (
             # The upper 24 of 32 bits are what a float32 holds.
             drjit.opaque(mitsuba.Float, low)
-            + (place + ((order * addend + shift) >> 8) * (2.0**-24)) * self.side
+            + (place + ((order * addend + shift) >> 8) * (2.0**-24))
+            * drjit.opaque(mitsuba.Float, self.side)
             for low, place, addend, shift in zip(
                 self.low.tolist(), places, ADDENDS, shifts, strict=True
             )
         )
-        right, up, forward = (mitsuba.Vector3f(*axis) for axis in self.axes.tolist())
         origin = mitsuba.Point3f(*self.origin.tolist())
-        area = self.side**2 / self.photons
-        if isinstance(self.light, DirectionalLight):
-            ray = mitsuba.Ray3f(origin + right * x + up * y, forward)
-            return ray, mitsuba.Color3f(*self.light.irradiance) * area
-        stretch = drjit.rsqrt(1 + x * x + y * y)
-        half = self.light.angle / 2
-        faded = (half - drjit.acos(drjit.minimum(stretch, 1))) / (PENUMBRA * half)
-        ray = mitsuba.Ray3f(origin, (right * x + up * y + forward) * stretch)
+        right, up, forward = (mitsuba.Vector3f(*axis) for axis in self.axes.tolist())
+        light, area = self.light, self.side**2 / self.photons
+        flux = light.irradiance if isinstance(light, DirectionalLight) else light.intensity
+        power = mitsuba.Color3f(*flux) * area
+        drjit.make_opaque(origin, right, up, forward, power)
+        if isinstance(light, DirectionalLight):
+            return mitsuba.Ray3f(origin + right * x + up * y, forward), power
+        cosine = drjit.rsqrt(1 + x * x + y * y)
+        half = drjit.opaque(mitsuba.Float, light.angle / 2)
+        faded = (half - drjit.acos(drjit.minimum(cosine, 1))) / (PENUMBRA * half)
+        ray = mitsuba.Ray3f(origin, (right * x + up * y + forward) * cosine)
         # A part dA of the plane at distance 1 is seen under the solid angle cos³ dA.
-        solid_angle = area * stretch * stretch * stretch
-        return ray, mitsuba.Color3f(*self.light.intensity) * drjit.clip(faded, 0, 1) * solid_angle
+        return ray, power * drjit.clip(faded, 0, 1) * cosine * cosine * cosine
 
 
 def _axes(direction: npt.ArrayLike) -> Floats:

@@ -74,9 +74,9 @@ class CausticMap:
     ----------
     mitsuba, drjit : module
         With an LLVM or CUDA variant set.
-    origin : array, shape (3,)
+    origin : Point3f
         Metres.
-    side : float
+    side : Float
         Of a cell, in metres.
     keys : UInt64
         Of the cells with any light, ascending.
@@ -86,8 +86,8 @@ class CausticMap:
 
     mitsuba: Any
     drjit: Any
-    origin: npt.NDArray[np.float64]
-    side: float
+    origin: Any
+    side: Any
     keys: Any
     light: Any
 
@@ -135,9 +135,12 @@ class CausticMap:
             return None
         total = sum(aim.count for aim in aims)
         side = math.sqrt(CELL_PHOTONS * sum(aim.area for aim in aims) / total)
-        empty = mitsuba.UInt64(), mitsuba.Float()
-        grid = cls(mitsuba, drjit, triangles.mean(axis=(0, 1)), side, *empty)
-        media = _media(mitsuba, mitsuba_scene, items)
+        # Opaque values leave the kernel the same for every scene, so that it is compiled once.
+        middle = mitsuba.Point3f(*triangles.mean(axis=(0, 1)).tolist())
+        drjit.make_opaque(middle)
+        frame = middle, drjit.opaque(mitsuba.Float, side)
+        grid = cls(mitsuba, drjit, *frame, mitsuba.UInt64(), mitsuba.Float())
+        media = _media(mitsuba, drjit, mitsuba_scene, items)
         sums = _Sums()
         for number, aim in enumerate(aims):
             seeds = np.random.SeedSequence((seed, number)).generate_state(1 + 2 * DEPTH).tolist()
@@ -187,7 +190,7 @@ class CausticMap:
 
     def _place(self, p: Any, n: Any, axis: int) -> tuple[Any, Any, Any, Any]:
         """Return coordinates across and along `axis`, in cells, and the normal along it."""
-        offset = (p - self.mitsuba.Point3f(*self.origin.tolist())) / self.side
+        offset = (p - self.origin) / self.side
         across = offset[(axis + 1) % 3], offset[(axis + 2) % 3]
         return *across, offset[axis] / THICKNESS, n[axis]
 
@@ -251,12 +254,17 @@ def _triangles(mesh: Mesh) -> npt.NDArray[np.float64]:
     return mesh.positions[mesh.triangles].astype(np.float64)
 
 
-def _media(mitsuba: Any, mitsuba_scene: Any, items: dict[str, Object]) -> list[tuple[Any, Any]]:
+def _media(
+    mitsuba: Any, drjit: Any, mitsuba_scene: Any, items: dict[str, Object]
+) -> list[tuple[Any, Any]]:
+    """Return the shape and the absorption of each refracting solid."""
     shapes = {shape.id(): shape for shape in mitsuba_scene.shapes()}
     missing = sorted(set(items) - set(shapes))
     if missing:
         raise ValueError(f"the Mitsuba scene has no shape {', '.join(missing)}")
-    return [
+    media = [
         (mitsuba.ShapePtr(shapes[name]), mitsuba.Color3f(*absorption(item)))
         for name, item in items.items()
     ]
+    drjit.make_opaque(media)
+    return media
