@@ -1,0 +1,180 @@
+"""A court of two storeys of arcades in uniform fog under uniform ambient light.
+
+Nothing but ambient light, the same from all sides, falls on surfaces and fog, and the fog scatters
+it alike to all sides. So fog of extinction σ adds up in closed form: at distance s a surface of
+radiance C₀ appears as C₀ e^(−σs) + L (1 − e^(−σs)), with L the fog's albedo times the ambient
+radiance, and banners of the same paints can be compared at several distances. The arrangement is
+that of figure 13 of McGuire & Mara 2017, "Phenomenological Transparency".
+"""
+
+from __future__ import annotations
+
+import math
+
+from oitbench.architecture import arch, column, repeated, slab
+from oitbench.geometry import divisions, grid, lathe, merge, rotation, smooth_curve, transform
+from oitbench.lights import EnvironmentLight, Medium
+from oitbench.scene import RGB, Camera, Material, Mesh, Object, Scene
+from oitbench.selector import Parameter
+
+parameters = {
+    "detail": Parameter(1.0, low=0.0, high=100.0, help="factor on the triangles of a surface"),
+    "extinction": Parameter(0.05, low=0.0, high=10.0, help="of the fog, per metre"),
+}
+
+# Metres. The court lies along -z, between arcades whose columns stand at x = ±COURT.
+COURT, AISLE, NEAR, BAY, BAYS = 4.2, 7.2, 2.0, 3.0, 8
+FAR = NEAR - BAY * BAYS
+SHAFT, LOWER, WALL = 0.30, 3.3, 0.7
+UPPER_FLOOR, UPPER, TOP = 5.4, 2.1, 9.0
+RAIL_HEIGHT = 0.95
+BANNER_WIDTH, BANNER_TOP, BANNER_LENGTH = 0.62, 5.2, 2.6
+FIRST_BANNER = 2  # the first pier from the camera that has banners
+TILE = 1.2
+
+AMBIENT: RGB = (0.82, 0.86, 0.92)
+FOG_ALBEDO: RGB = (0.80, 0.80, 0.80)
+OCCLUSION = 2.5  # metres
+SANDSTONE = Material(albedo=(0.56, 0.46, 0.34))
+MARBLE = Material(albedo=(0.72, 0.68, 0.62))
+PLASTER = Material(albedo=(0.40, 0.24, 0.17))
+LIGHT_TILES = Material(albedo=(0.52, 0.48, 0.42))
+DARK_TILES = Material(albedo=(0.10, 0.10, 0.12))
+WHITE_CLOTH = Material(albedo=(0.86, 0.84, 0.78))
+CLOTHS: dict[str, RGB] = {
+    "red": (0.62, 0.04, 0.04),
+    "blue": (0.04, 0.10, 0.48),
+    "green": (0.03, 0.30, 0.09),
+}
+
+
+def build(*, name: str, detail: float, extinction: float) -> Scene:
+    """Return the court, its banners and the fog."""
+    fog = Medium(
+        extinction=extinction,
+        low=(-AISLE - 0.2, -0.2, FAR - 0.2),
+        high=(AISLE + 0.2, TOP + 0.6, NEAR + 0.8),
+        albedo=FOG_ALBEDO,
+    )
+    return Scene(
+        name=name,
+        camera=Camera(
+            position=(0.9, 1.75, 1.6), target=(-0.25, 3.35, -10.0), fov_y=math.radians(58)
+        ),
+        objects=(*_floors(), *_arcades(detail), *_banners(detail)),
+        lights=(EnvironmentLight(AMBIENT),),
+        medium=fog,
+        ambient_occlusion=OCCLUSION,
+    )
+
+
+def _floors() -> tuple[Object, ...]:
+    """Return a floor of tiles of two shades, and the walls behind the arcades."""
+    tiles: tuple[list[Mesh], list[Mesh]] = ([], [])
+    columns, rows = round(2 * AISLE / TILE), round((NEAR + 1 - FAR) / TILE)
+    for column_ in range(columns):
+        for row in range(rows):
+            x, z = -AISLE + TILE * (column_ + 0.5), NEAR + 1 - TILE * (row + 0.5)
+            tile = grid((x, 0, z), (TILE / 2, 0, 0), (0, 0, -TILE / 2))
+            tiles[(column_ + row) % 2].append(tile)
+    middle, half = (NEAR + 1 + FAR) / 2, (NEAR + 1 - FAR) / 2
+    walls = [
+        grid((side * AISLE, TOP / 2, middle), (0, 0, half * side), (0, TOP / 2, 0))
+        for side in (-1, 1)
+    ]
+    walls.append(grid((0, TOP / 2, FAR), (AISLE, 0, 0), (0, TOP / 2, 0)))
+    return (
+        Object("light tiles", merge(tiles[0]), LIGHT_TILES),
+        Object("dark tiles", merge(tiles[1]), DARK_TILES),
+        Object("outer walls", merge(walls), PLASTER),
+    )
+
+
+def _arcades(detail: float) -> tuple[Object, ...]:
+    """Return columns, arches, floors and railings of both storeys, on both sides and at the end."""
+    lower = column(LOWER, SHAFT, detail)
+    upper = column(UPPER, 0.6 * SHAFT, 0.35 * detail)
+    segments = divisions(18, detail, 6)
+    low_arch = arch(BAY, BAY - 2.6 * SHAFT, UPPER_FLOOR - 0.3 - LOWER, WALL, segments)
+    half = BAY / 2
+    high_arch = arch(half, half - 0.42, TOP - 0.35 - UPPER_FLOOR - UPPER, 0.5 * WALL, segments)
+    ends = [NEAR - BAY * index for index in range(BAYS + 1)]
+    mids = [NEAR - half * (index + 0.5) for index in range(2 * BAYS)]
+    halves = [NEAR - half * index for index in range(2 * BAYS + 1)]
+    columns, arches = [], []
+    for side in (-1, 1):
+        x = side * COURT
+        columns += [
+            repeated(lower, [(x, 0, z) for z in ends]),
+            repeated(upper, [(x, UPPER_FLOOR, z) for z in halves]),
+        ]
+        turn = rotation((0, 1, 0), math.pi / 2)
+        arches += [
+            repeated(transform(low_arch, turn), [(x, LOWER, z - half) for z in ends[:-1]]),
+            repeated(transform(high_arch, turn), [(x, UPPER_FLOOR + UPPER, z) for z in mids]),
+        ]
+    return (
+        Object("columns", merge(columns), MARBLE),
+        Object("arches", merge(arches), SANDSTONE),
+        Object("floors and cornices", _ledges(), SANDSTONE),
+        Object("railings", _railings(detail), MARBLE),
+    )
+
+
+def _ledges() -> Mesh:
+    """Return the upper floors with their edges, the cornices and the roofs of the galleries."""
+    parts = []
+    for side in (-1, 1):
+        inner, outer = sorted((side * (COURT - WALL / 2 - 0.12), side * AISLE))
+        parts.append(slab((inner, UPPER_FLOOR - 0.3, FAR), (outer, UPPER_FLOOR, NEAR + 1)))
+        inner, outer = sorted((side * (COURT - WALL / 2 - 0.15), side * AISLE))
+        parts.append(slab((inner, TOP - 0.35, FAR), (outer, TOP + 0.05, NEAR + 1)))
+    # The far end is a wall with a doorway's frame and a ledge.
+    parts += [
+        slab((-COURT, UPPER_FLOOR - 0.3, FAR), (COURT, UPPER_FLOOR, FAR + 0.5)),
+        slab((-COURT, TOP - 0.35, FAR), (COURT, TOP + 0.05, FAR + 0.4)),
+        slab((-1.5, 0, FAR), (-1.1, 3.4, FAR + 0.3)),
+        slab((1.1, 0, FAR), (1.5, 3.4, FAR + 0.3)),
+        slab((-1.7, 3.4, FAR), (1.7, 3.8, FAR + 0.4)),
+    ]
+    return merge(parts)
+
+
+def _railings(detail: float) -> Mesh:
+    """Return the balustrades of the upper storey."""
+    outline = [(0.05, 0.0), (0.05, 0.1), (0.085, 0.28), (0.035, 0.6), (0.05, RAIL_HEIGHT - 0.1)]
+    profile = smooth_curve(outline, divisions(8, detail, 4))
+    baluster = lathe(profile, divisions(6, detail, 4))
+    count = divisions(5, detail, 2) * 2 * BAYS
+    pitch = BAY * BAYS / count
+    parts = []
+    for side in (-1, 1):
+        x = side * COURT
+        places: list[RGB] = [(x, UPPER_FLOOR, NEAR - pitch * (i + 0.5)) for i in range(count)]
+        parts.append(repeated(baluster, places))
+        height = UPPER_FLOOR + RAIL_HEIGHT
+        parts.append(slab((x - 0.09, height - 0.12, FAR), (x + 0.09, height, NEAR)))
+    return merge(parts)
+
+
+def _banners(detail: float) -> tuple[Object, ...]:
+    """Return banners in each bay, in three paints in turn, each with a white stripe and a hem."""
+    cloths: dict[str, list[Mesh]] = {paint: [] for paint in CLOTHS}
+    stripes = []
+    rows = divisions(10, detail, 3)
+    for index in range(FIRST_BANNER, BAYS):
+        z = NEAR - BAY * index
+        for side in (-1, 1):
+            paint = list(CLOTHS)[(index + (side > 0)) % len(CLOTHS)]
+            x = side * (COURT - WALL / 2 - 0.16 - BANNER_WIDTH)
+            middle = BANNER_TOP - BANNER_LENGTH / 2
+            cloth = grid((x, middle, z), (BANNER_WIDTH, 0, 0), (0, BANNER_LENGTH / 2, 0), 2, rows)
+            cloths[paint].append(cloth)
+            for height in (BANNER_TOP - 0.45, middle - 0.75):
+                stripes.append(grid((x, height, z + 0.012), (BANNER_WIDTH, 0, 0), (0, 0.14, 0)))
+    objects = [
+        Object(f"{paint} banners", merge(meshes), Material(albedo=CLOTHS[paint]))
+        for paint, meshes in cloths.items()
+        if meshes
+    ]
+    return (*objects, Object("stripes", merge(stripes), WHITE_CLOTH))

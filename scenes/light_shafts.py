@@ -1,0 +1,149 @@
+"""A hall with tall windows: the low sun throws shafts of light through fog, one of them colored.
+
+The fog is a grid of densities, thicker near the floor and in slow waves, and scatters forward,
+towards the camera. Piers between the windows and the bars in them cut the light into shafts, one
+window of colored glass tints its shaft and the patch that it throws, and a statue on a pedestal
+stands half in the light and shades the fog behind it. The arrangement is that of figure 14 of
+McGuire & Mara 2017, "Phenomenological Transparency".
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from oitbench.architecture import column, repeated, slab, window_wall
+from oitbench.geometry import divisions, grid, merge, rotation, transform, translation
+from oitbench.lights import DirectionalLight, EnvironmentLight, Medium, sample_density
+from oitbench.people import woman
+from oitbench.scene import RGB, Camera, Material, Mesh, Object, Scene
+from oitbench.selector import Parameter
+
+Floats = npt.NDArray[np.float64]
+
+parameters = {
+    "detail": Parameter(1.0, low=0.0, high=100.0, help="factor on the triangles of a surface"),
+    "extinction": Parameter(0.12, low=0.0, high=10.0, help="of the thickest fog, per metre"),
+}
+
+# Metres. The hall reaches from z = NEAR to FAR; its windows are in the wall at x = HALF.
+HALF, HEIGHT, NEAR, BAY, BAYS = 4.0, 6.2, 3.0, 3.0, 5
+FAR = NEAR - BAY * BAYS
+WALL = 0.5
+OPENING, SILL, SPRING = 1.3, 1.1, 4.3
+BAR = 0.05
+STAINED_BAY = 2
+PANES: dict[str, tuple[RGB, float, float]] = {
+    "blue glass": ((0.08, 0.22, 0.90), 1.1, 2.35),
+    "gold glass": ((0.95, 0.62, 0.08), 2.35, 3.6),
+    "red glass": ((0.90, 0.08, 0.06), 3.6, 4.95),
+}
+SUN = DirectionalLight(direction=(-0.68, -0.46, 0.55), irradiance=(17.0, 14.8, 11.5))
+SKY: RGB = (0.018, 0.022, 0.030)
+STATUE: RGB = (0.6, 0.0, -4.8)
+PEDESTAL = 0.6
+COLUMNS = ((-2.6, -4.5), (-2.6, -7.5), (-2.6, -10.5))
+
+STONE = Material(albedo=(0.48, 0.45, 0.40))
+PAVING = Material(albedo=(0.36, 0.33, 0.30))
+MARBLE = Material(albedo=(0.78, 0.76, 0.72))
+LEAD = Material(albedo=(0.05, 0.05, 0.06))
+
+
+def build(*, name: str, detail: float, extinction: float) -> Scene:
+    """Return hall, statue, stained glass and fog."""
+    # The box ends inside the walls: no surface lies in its faces.
+    low, high = (-HALF - 0.1, -0.1, FAR - 0.1), (HALF + 0.1, HEIGHT + 0.1, NEAR + 0.1)
+    fog = Medium(
+        extinction=extinction,
+        low=low,
+        high=high,
+        albedo=(0.92, 0.92, 0.92),
+        anisotropy=0.5,
+        density=sample_density(_density, low, high, (32, 24, 60)),
+    )
+    return Scene(
+        name=name,
+        camera=Camera(position=(-1.7, 1.7, 2.4), target=(0.5, 2.35, -7.0), fov_y=math.radians(56)),
+        objects=(*_hall(detail), *_furniture(detail), *_stained_glass()),
+        lights=(SUN, EnvironmentLight(SKY)),
+        medium=fog,
+    )
+
+
+def _density(points: Floats) -> Floats:
+    """Return fog that thins with height and drifts in slow waves."""
+    x, y, z = np.moveaxis(points, -1, 0)
+    waves = np.sin(0.8 * x + 0.5 * z) * np.cos(0.6 * z - 0.4 * x + 0.9 * y)
+    return np.asarray((0.35 + 0.45 * np.exp(-np.maximum(y, 0) / 1.6)) * (1 + 0.25 * waves))
+
+
+def _hall(detail: float) -> tuple[Object, ...]:
+    """Return floor, walls and roof; the walls and the roof that the sun meets cast shadows."""
+    middle, half = (NEAR + FAR) / 2, (NEAR - FAR) / 2
+    cells = divisions(12, detail)
+    floor = grid((0, 0, middle), (HALF, 0, 0), (0, 0, -half), cells, cells)
+    blind = grid((-HALF, HEIGHT / 2, middle), (0, 0, -half), (0, HEIGHT / 2, 0), cells, cells)
+    bay = window_wall(BAY, HEIGHT, WALL, OPENING, SILL, SPRING, divisions(24, detail, 6))
+    turned = transform(bay, rotation((0, 1, 0), -math.pi / 2))
+    places: list[RGB] = [(HALF + WALL / 2, 0, z) for z in _bays()]
+    roof = slab((-HALF, HEIGHT, FAR - 0.4), (HALF + WALL + 0.3, HEIGHT + 0.3, NEAR + 0.4))
+    end = slab((-HALF, 0, FAR - 0.4), (HALF + WALL, HEIGHT, FAR))
+    return (
+        Object("floor", floor, PAVING, casts=False),
+        Object("blind wall", blind, STONE, casts=False),
+        Object("window wall", repeated(turned, places), STONE),
+        Object("window bars", _bars(), LEAD),
+        Object("roof and end", merge([roof, end]), STONE),
+    )
+
+
+def _bays() -> list[float]:
+    """Return z of the middles of the windows, from the far end."""
+    return [FAR + BAY * (index + 0.5) for index in range(BAYS)]
+
+
+def _bars() -> Mesh:
+    """Return an upright and three cross bars in each window."""
+    x, top = HALF + WALL / 2, SPRING + OPENING / 2
+    parts = []
+    for z in _bays():
+        parts.append(slab((x - BAR, SILL, z - BAR), (x + BAR, top, z + BAR)))
+        for height in (2.35, 3.6, 4.3):
+            low = (x - 0.8 * BAR, height - BAR, z - OPENING / 2)
+            parts.append(slab(low, (x + 0.8 * BAR, height + BAR, z + OPENING / 2)))
+    return merge(parts)
+
+
+def _furniture(detail: float) -> tuple[Object, ...]:
+    """Return a row of columns before the blind wall and a statue on a pedestal."""
+    stand = [(x, 0.0, z) for x, z in COLUMNS]
+    x, y, z = STATUE
+    turn = rotation((0, 1, 0), math.radians(35))
+    statue = transform(woman(detail), translation((x, y + PEDESTAL, z)) @ turn)
+    pedestal = merge(
+        [
+            slab((x - 0.42, 0, z - 0.42), (x + 0.42, 0.12, z + 0.42)),
+            slab((x - 0.33, 0.12, z - 0.33), (x + 0.33, PEDESTAL + 0.06, z + 0.33)),
+        ]
+    )
+    return (
+        Object("columns", repeated(column(HEIGHT, 0.28, detail), stand), STONE),
+        Object("statue", statue, MARBLE),
+        Object("pedestal", pedestal, STONE),
+    )
+
+
+def _stained_glass() -> tuple[Object, ...]:
+    """Return thin panes of three colors, one above another, in one window."""
+    x, z = HALF + WALL / 2 + 0.01, _bays()[STAINED_BAY]
+    return tuple(
+        Object(
+            color,
+            grid((x, (low + high) / 2, z), (0, 0, OPENING / 2), (0, (high - low) / 2, 0)),
+            Material(transmission=transmission),
+        )
+        for color, (transmission, low, high) in PANES.items()
+    )
