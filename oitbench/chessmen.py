@@ -147,7 +147,7 @@ def rook(detail: float) -> Mesh:
     """Return a rook, whose battlement has `NOTCHES` gaps."""
     profile = outline(_corners(0.172, _ROOK), detail)
     # Whole slices to each notch and merlon, so that the gaps are all alike.
-    slices = NOTCHES * 2 * divisions(3, detail, 2)
+    slices = NOTCHES * 2 * divisions(3, detail)
     angle = np.arange(slices) / slices * 2 * np.pi
     radius, height = np.broadcast_to(profile.T[:, :, None], (2, len(profile), slices))
     notch = np.arange(slices) % (slices // NOTCHES) < slices // NOTCHES // 2

@@ -10,13 +10,15 @@ from __future__ import annotations
 import math
 
 from oitbench.chessmen import man
-from oitbench.geometry import box, merge, rotation, transform, translation
+from oitbench.geometry import box, grid, merge, rotation, transform, translation
 from oitbench.lights import DirectionalLight, EnvironmentLight
 from oitbench.patterns import Window, checkers, room
 from oitbench.scene import RGB, Camera, Material, Mesh, Object, Scene, Texture
 from oitbench.selector import Parameter
 
 KING_HEIGHT, SQUARE = 0.9, 0.48
+GROUND_REACH = 60.0
+"""Metres from the middle of the board to the sides of the ground, beyond the view."""
 GAP = 0.001
 """Metres between the board and its men: coincident surfaces have no right picture."""
 # The men of each color by their squares, in the order in which they are drawn.
@@ -43,11 +45,11 @@ POSITIONS: dict[str, dict[str, str]] = {
     },
 }
 # Transmission of one surface; light crosses at least two.
-GLASS: dict[str, RGB] = {"clear": (0.93, 0.97, 0.95), "red": (0.92, 0.30, 0.28)}
+GLASS: dict[str, RGB] = {"clear": (0.90, 0.96, 0.93), "red": (0.92, 0.24, 0.22)}
 INDEX = 1.5
-IVORY = Material(albedo=(0.70, 0.64, 0.53), specular=0.03, roughness=0.4)
-WALNUT = Material(albedo=(0.20, 0.12, 0.07), specular=0.03, roughness=0.4)
-RIM = Material(albedo=(0.11, 0.065, 0.04), specular=0.03, roughness=0.4)
+IVORY = Material(albedo=(0.70, 0.64, 0.53), specular=0.0)
+WALNUT = Material(albedo=(0.24, 0.14, 0.08), specular=0.0)
+RIM = Material(albedo=(0.12, 0.07, 0.04), specular=0.0)
 GROUND = Material(albedo=(0.42, 0.44, 0.42), specular=0.0)
 
 parameters = {
@@ -67,7 +69,7 @@ def build(*, name: str, detail: float) -> Scene:
     ]
     return Scene(
         name=name,
-        camera=Camera(position=(1.7, 1.75, 4.3), target=(-0.05, 0.25, 0), fov_y=math.radians(35)),
+        camera=Camera(position=(1.35, 2.0, 4.6), target=(0.08, 0.2, 0.25), fov_y=math.radians(35)),
         objects=(*_board(), *men),
         lights=(
             DirectionalLight(direction=(0.55, -1.0, 0.5), irradiance=(2.2, 2.1, 1.9)),
@@ -101,7 +103,7 @@ def _board() -> list[Object]:
     dark, light = checkers((0, 0, 0), (half, 0, 0), (0, 0, -half), 8, 8)
     width, thick = 2 * half + 0.3, 0.08
     rim = box((0, -thick / 2 - GAP, 0), (width, thick, width))
-    ground = box((0, -thick - 2 * GAP - 0.5, 0), (40.0, 1.0, 40.0))
+    ground = grid((0, -thick - 2 * GAP, 0), (GROUND_REACH, 0, 0), (0, 0, -GROUND_REACH))
     return [
         Object("dark squares", dark, WALNUT, casts=False),
         Object("light squares", light, IVORY, casts=False),

@@ -3,15 +3,15 @@
 The panes are thin sheets of falling collimation, so the teapots, all alike and all as far behind
 their pane, go from sharp to blurred. A checkered box is pressed against the back of each pane and
 stays sharp, since light spreads only over the way between glass and background; the tiles of the
-floor show the blur growing with that way. The arrangement is that of figure 8 of McGuire & Mara
-2017, "Phenomenological Transparency".
+floor and the stripes of the wall show the blur growing with that way. The arrangement is that of
+figure 8 of McGuire & Mara 2017, "Phenomenological Transparency".
 """
 
 from __future__ import annotations
 
 import math
 
-from oitbench.geometry import divisions, grid, rotation, transform, translation
+from oitbench.geometry import box, divisions, grid, rotation, transform, translation
 from oitbench.lights import DirectionalLight, EnvironmentLight
 from oitbench.patterns import checkered_box, checkers, room
 from oitbench.scene import RGB, Camera, Material, Object, Scene
@@ -19,22 +19,25 @@ from oitbench.selector import Parameter
 from oitbench.teapot import teapot
 
 COLLIMATIONS = (1.0, 0.9, 0.75, 0.5, 0.25)
-PITCH, WIDTH, HEIGHT = 0.72, 0.64, 1.15
-TEAPOT_HEIGHT = 0.27
-BOX = 0.2
+PITCH, WIDTH, HEIGHT = 0.72, 0.64, 1.45
+TEAPOT_HEIGHT, TEAPOT_TURN = 0.33, math.radians(-22)
+BOX, RAIL = 0.2, 0.03
+"""Edges of the boxes and of the rail's cross section, metres."""
 SQUARES = 4
 GAP = 0.001
 """Metres between surfaces that touch: coincident ones have no right picture."""
-TILE, WALL = 0.24, -3.12
+TILE, WALL = 0.24, -1.92
 """Edge of a tile of the floor, and where the back wall stands, metres."""
-GLASS: RGB = (0.93, 0.93, 0.93)
+GLASS: RGB = (0.92, 0.92, 0.92)
 
 CLAY = Material(albedo=(0.62, 0.20, 0.09), specular=0.05, roughness=0.35)
 LIGHT_PAINT = Material(albedo=(0.80, 0.79, 0.75), specular=0.0)
 DARK_PAINT = Material(albedo=(0.05, 0.09, 0.20), specular=0.0)
 PALE_TILE = Material(albedo=(0.66, 0.65, 0.62), specular=0.0)
 GREY_TILE = Material(albedo=(0.42, 0.43, 0.44), specular=0.0)
-PLASTER = Material(albedo=(0.60, 0.64, 0.68), specular=0.0)
+PALE_PAPER = Material(albedo=(0.66, 0.68, 0.70), specular=0.0)
+BLUE_PAPER = Material(albedo=(0.30, 0.43, 0.52), specular=0.0)
+STEEL = Material(albedo=(0.10, 0.10, 0.11), specular=0.3, roughness=0.5)
 
 parameters = {
     "detail": Parameter(1.0, low=0.0, high=100.0, help="factor on the triangles of a surface"),
@@ -47,11 +50,11 @@ parameters = {
 def build(*, name: str, detail: float, distance: float) -> Scene:
     """Return the row; the floor and the wall throw no shadow, all else does."""
     objects = _surroundings()
-    pot = transform(teapot(TEAPOT_HEIGHT, detail), rotation((0, 1, 0), math.radians(25)))
+    pot = transform(teapot(TEAPOT_HEIGHT, detail), rotation((0, 1, 0), TEAPOT_TURN))
     cells = (divisions(8, detail, 2), divisions(16, detail, 2))
     for number, collimation in enumerate(COLLIMATIONS):
         x = PITCH * (number - (len(COLLIMATIONS) - 1) / 2)
-        place = translation((x + 0.03, GAP, -distance))
+        place = translation((x + 0.06, GAP, -distance))
         objects.append(Object(f"teapot {number}", transform(pot, place), CLAY))
         corner = (x - WIDTH / 2 + 0.6 * BOX, BOX / 2 + GAP, -BOX / 2 - GAP)
         light, dark = checkered_box(corner, (BOX, BOX, BOX), SQUARES)
@@ -62,7 +65,7 @@ def build(*, name: str, detail: float, distance: float) -> Scene:
         objects.append(Object(f"pane {number}", sheet, glass))
     return Scene(
         name=name,
-        camera=Camera(position=(0, 1.0, 4.3), target=(0, 0.42, 0), fov_y=math.radians(36)),
+        camera=Camera(position=(0, 1.15, 4.3), target=(0, 0.55, 0), fov_y=math.radians(36)),
         objects=tuple(objects),
         lights=(
             DirectionalLight(direction=(0.75, -1.0, -0.55), irradiance=(2.0, 1.9, 1.75)),
@@ -72,15 +75,17 @@ def build(*, name: str, detail: float, distance: float) -> Scene:
 
 
 def _surroundings() -> list[Object]:
-    """Return the tiled floor and the wall behind."""
-    columns, rows = 32, 26
-    middle = WALL + rows * TILE / 2
-    pale, grey = checkers(
-        (0, 0, middle), (columns * TILE / 2, 0, 0), (0, 0, -rows * TILE / 2), columns, rows
-    )
-    wall = grid((0, 2.0, WALL), (columns * TILE / 2, 0, 0), (0, 2.0, 0))
+    """Return the tiled floor, the striped wall behind, and the rail from which the panes hang."""
+    columns, rows = 40, 22
+    across, middle = (columns * TILE / 2, 0.0, 0.0), WALL + rows * TILE / 2
+    pale, grey = checkers((0, 0, middle), across, (0, 0, -rows * TILE / 2), columns, rows)
+    paper, stripes = checkers((0, 2.0, WALL), across, (0, 2.0, 0), columns, 1)
+    length = PITCH * len(COLLIMATIONS)
+    rail = box((0, HEIGHT + 2 * GAP + RAIL / 2, 0), (length, RAIL, RAIL))
     return [
         Object("pale tiles", pale, PALE_TILE, casts=False),
         Object("grey tiles", grey, GREY_TILE, casts=False),
-        Object("wall", wall, PLASTER, casts=False),
+        Object("pale paper", paper, PALE_PAPER, casts=False),
+        Object("blue stripes", stripes, BLUE_PAPER, casts=False),
+        Object("rail", rail, STEEL),
     ]

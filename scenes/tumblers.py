@@ -81,13 +81,13 @@ def build(*, name: str, detail: float) -> Scene:
     objects.append(Object("ice", _ice(detail), ICE))
     return Scene(
         name=name,
-        camera=Camera(position=(0.3, 2.35, 5.4), target=(0, 0.5, 0), fov_y=math.radians(30)),
+        camera=Camera(position=(0.3, 2.35, 5.4), target=(0, 0.5, 0), fov_y=math.radians(32)),
         objects=tuple(objects),
         lights=(
             SpotLight(
                 position=(-1.6, 6.0, -4.5),
                 target=(0, 0, 0.3),
-                intensity=(165.0, 158.0, 145.0),
+                intensity=(140.0, 135.0, 125.0),
                 angle=math.radians(50),
             ),
             EnvironmentLight(_room()),
