@@ -9,7 +9,8 @@ void gather(Fragment fragment) {
     vec3 removed = 1.0 - transmittance(fragment);
 #ifdef EFFECT_DIFFUSION
     float part = WEIGHT == WEIGHT_NET ? opacity : fragment.coverage;
-    beta = vec4(removed, blur_variance(fragment.z, behind, fragment.collimation, part));
+    float variance = blur_variance(fragment.z, behind, fragment.collimation, part);
+    beta = vec4(removed, storable(variance));
 #elif PRECISION == PRECISION_PAPER
     beta = removed;
 #else

@@ -17,13 +17,15 @@ float depth_weight(float opacity, float depth) {
 #endif
 }
 
-// Variance of the blur, in stored units: equation 7, in pixels.
+// Variance of the blur, in stored units: the square of equation 7, in pixels.
 float blur_variance(float distance, float behind, float collimation, float part) {
     float spread = 1.0 - K1 / (K1 + abs(behind - distance));
     float blur = pixel_focal * K0 * (1.0 - collimation) * part * spread / max(distance, 1e-6);
-    float stored = blur / UNIT;
-    return stored > 0.0 ? max(stored * stored, LEAST) : 0.0;
+    return (blur / UNIT) * (blur / UNIT);
 }
+
+// The same as targets can hold it: the least blur does not round to none.
+float storable(float variance) { return variance > 0.0 ? max(variance, LEAST) : 0.0; }
 
 // Where the view ray, bent at the surface, meets a plane behind it, in pixels from here.
 vec2 refraction_offset(Fragment fragment, float behind) {

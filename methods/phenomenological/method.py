@@ -58,7 +58,13 @@ BACKGROUND = Blend(
 
 
 class Phenomenological(Method):
-    expresses = Effect.COVERAGE | Effect.COLORED_TRANSMISSION | Effect.REFRACTION | Effect.DIFFUSION
+    expresses = (
+        Effect.COVERAGE
+        | Effect.COLORED_TRANSMISSION
+        | Effect.REFRACTION
+        | Effect.DIFFUSION
+        | Effect.VOLUME
+    )
     parameters = {
         "depth_weight": Parameter("eq5", choices=("eq5", "g3d"), help="equation of w"),
         "modulation": Parameter(
@@ -73,6 +79,7 @@ class Phenomenological(Method):
             "background", choices=("background", "paper"), help="where bent rays end"
         ),
         "radius": Parameter(16, low=1, high=256, help="of the blur at most, pixels"),
+        "steps": Parameter(32, low=1, high=4096, help="of the march through a medium"),
         "precision": Parameter(
             "paper", choices=("paper", "half", "float"), grid=("paper", "half"), help="of targets"
         ),
@@ -114,6 +121,13 @@ class Phenomenological(Method):
                 Draws.FRAGMENTS,
                 reads=("opaque_depth",),
                 writes={name: blends.get(name, ADD) for name in gathered},
+            ),
+            Pass(
+                "fog.glsl",
+                Draws.PIXELS,
+                reads=("opaque_depth",),
+                writes={"accum": ADD, "beta": BACKGROUND},
+                when=Effect.VOLUME,
             ),
             Pass(
                 "resolve.glsl",

@@ -10,7 +10,9 @@ import numpy.typing as npt
 
 from oitbench.effects import SHADING, Effect
 from oitbench.gl.device import Device
+from oitbench.gl.fog import Fog
 from oitbench.gl.geometry import Geometry
+from oitbench.gl.prelude import LIGHTS_BINDING, MEDIUM_BINDING
 from oitbench.gl.shadows import Moved, ShadowMaps
 from oitbench.gl.steps import PassRecord
 from oitbench.gl.view import Projection, light_projection
@@ -39,7 +41,9 @@ class Lighting:
     Attributes
     ----------
     block : moderngl.Buffer
-    textures : dict of str to moderngl.Texture
+    fog : Fog
+        The medium that scatters the light; only shaders that march through it read it.
+    textures : dict of str to moderngl.Texture or moderngl.Texture3D
         Samplers by name.
     """
 
@@ -61,7 +65,7 @@ class Lighting:
             else ShadowMaps(device, geometry, effects, projection, map_side)
             for projection in self._projections
         ]
-        self.textures: dict[str, moderngl.Texture] = {}
+        self.textures: dict[str, moderngl.Texture | moderngl.Texture3D] = {}
         for number, maps in enumerate(self.maps):
             if maps is not None:
                 self.textures |= {
@@ -75,6 +79,9 @@ class Lighting:
             texels = environment_texels(self._environment)
             harmonics = irradiance_harmonics(texels)
             self.textures["environment_texture"] = self._upload(texels)
+        self.fog = Fog(device, scene.medium)
+        if self.fog.density is not None:
+            self.textures["density_texture"] = self.fog.density
         self.block = device.context.buffer(self._bytes(harmonics, map_side))
 
     def _upload(self, texels: Floats) -> moderngl.Texture:
@@ -97,6 +104,11 @@ class Lighting:
         parts.append(np.zeros(36))
         padded = np.concatenate([harmonics, np.zeros((9, 1))], axis=1)
         return np.concatenate([*parts, padded.ravel()]).astype(np.float32).tobytes()
+
+    @property
+    def blocks(self) -> dict[int, moderngl.Buffer]:
+        """The uniform blocks by binding."""
+        return {LIGHTS_BINDING: self.block, MEDIUM_BINDING: self.fog.block}
 
     @property
     def macros(self) -> str:
@@ -153,15 +165,17 @@ class Lighting:
                 maps.release()
         if "environment_texture" in self.textures:
             self.textures["environment_texture"].release()
+        self.fog.release()
         self.block.release()
 
 
 def lighting_of(device: Device, geometry: Geometry, effects: Effect) -> Lighting | None:
     """Return the lighting that all frames of `geometry` under these effects share.
 
-    None for a scene that is lit by emission alone. It is released with the geometry.
+    None for a scene that is lit by emission alone, unless its medium is called for: that comes
+    with the lights that it scatters, be there any or none. It is released with the geometry.
     """
-    if not geometry.scene.lights:
+    if not geometry.scene.lights and Effect.VOLUME not in effects:
         return None
     shading = effects & SHADING
     if shading not in geometry.lightings:

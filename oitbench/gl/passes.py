@@ -22,6 +22,8 @@ from oitbench.gl.source import Source
 if TYPE_CHECKING:
     from oitbench.gl.lighting import Lighting
 
+Sampled = moderngl.Texture | moderngl.TextureArray | moderngl.Texture3D
+
 
 @dataclass(frozen=True)
 class Blueprint:
@@ -68,15 +70,15 @@ class CompiledPass:
         step: Pass,
         program: moderngl.Program,
         framebuffer: moderngl.Framebuffer,
-        samplers: Mapping[str, moderngl.Texture | moderngl.TextureArray],
+        samplers: Mapping[str, Sampled],
         images: Sequence[moderngl.Texture],
         vertices: moderngl.Buffer,
         depth_writes: bool,
-        lights: moderngl.Buffer | None = None,
+        blocks: Mapping[int, moderngl.Buffer],
     ) -> None:
         self.device, self.step, self.program = device, step, program
         self.framebuffer, self.samplers, self.vertices = framebuffer, samplers, vertices
-        self.images, self.depth_writes, self.lights = images, depth_writes, lights
+        self.images, self.depth_writes, self.blocks = images, depth_writes, blocks
         self.clears: list[tuple[moderngl.Framebuffer, Format, tuple[float, ...]]] = []
         self._arrays: dict[int, moderngl.VertexArray] = {}
 
@@ -98,8 +100,8 @@ class CompiledPass:
         for unit, image in enumerate(self.images):
             image.bind_to_image(unit, read=True, write=True)
         view.bind_to_uniform_block(0)
-        if self.lights is not None:
-            self.lights.bind_to_uniform_block(prelude.LIGHTS_BINDING)
+        for binding, block in self.blocks.items():
+            block.bind_to_uniform_block(binding)
         if self.step.buffers or self.images:
             context.memory_barrier()
 
@@ -170,9 +172,7 @@ def compile_pass(
             f" {device.renderer} allows {limit}"
         )
     program = _program(device, vertex, fragment)
-    samplers: dict[str, moderngl.Texture | moderngl.TextureArray] = {
-        f"{name}_texture": textures[name] for name in step.reads
-    }
+    samplers: dict[str, Sampled] = {f"{name}_texture": textures[name] for name in step.reads}
     lighting = blueprint.lighting
     if step.draws is Draws.FRAGMENTS:
         if "opaque_depth" in step.reads:
@@ -193,7 +193,7 @@ def compile_pass(
     writes_depth = depth_writes or step.depth is not None
     compiled = CompiledPass(
         device, step, program, framebuffer, used, images, geometry.vertices, writes_depth,
-        None if lighting is None else lighting.block,
+        {} if lighting is None else lighting.blocks,
     )  # fmt: skip
     for name in step.clears:
         target = blueprint.declared[name]
@@ -257,6 +257,8 @@ def _sources(blueprint: Blueprint, step: Pass) -> tuple[Source, Source]:
         vertex.add_file("view.glsl")
         vertex.add_file("surface.vert.glsl")
     else:
+        if lighting is not None and Effect.VOLUME in blueprint.effects:
+            fragment.add_text("prelude (medium)", lighting.fog.macros)
         fragment.add_file(step.shader)
         # Reads of buffers give helper lanes zero, and a list of them would never end.
         fragment.add_text("main", "void main() { if (!gl_HelperInvocation) { resolve(); } }")

@@ -17,8 +17,8 @@ TILE = 64
 """Side in pixels of the tiles in which buffers of fragments are allocated and accesses counted."""
 FETCH, INTERLOCK, SPIN_LOCK = "framebuffer fetch", "interlock", "spin lock"
 """How programmable blending is done; `Device.mechanism` chooses."""
-LIGHTS_BINDING = 1
-"""Of the uniform block `Lights` (glsl/lighting.glsl); `View` has 0."""
+LIGHTS_BINDING, MEDIUM_BINDING = 1, 2
+"""Of the uniform blocks `Lights` (glsl/lighting.glsl) and `Medium` (march.glsl); `View` has 0."""
 NO_LIGHTS = "#define BEAMS 0"
 NO_SHADOWS = "vec3 beam_visibility(int i, vec3 position, vec3 side) { return vec3(1.0); }"
 ALLOCATOR_STRIDE = 16

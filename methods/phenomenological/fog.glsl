@@ -1,0 +1,29 @@
+// Adds the medium to all targets at once: what a plane for each slice would add one by one.
+#include "fragment.glsl"
+#include "layer.glsl"
+#include "march.glsl"
+
+// Window depth of a view distance, m.
+float window_depth(float z) { return (1.0 - near_plane / z) / (1.0 - near_plane / far_plane); }
+
+void resolve() {
+    float behind = view_distance(read_opaque_depth());
+    Path path = path_through_medium(behind);
+    vec4 sum = vec4(0.0);
+    float passed = 1.0, variance = 0.0, part = jitter();
+    for (int k = 0; k < STEPS; ++k) {
+        Slice slice = slice_of(path, k, STEPS, part);
+        float weight = depth_weight(slice.coverage, window_depth(slice.z));
+        sum += weight * slice.coverage * vec4(slice.radiance, 1.0);
+        passed *= 1.0 - slice.coverage;
+        variance += blur_variance(slice.z, behind, medium_color.a, slice.coverage);
+    }
+    accum = sum;
+#ifdef EFFECT_DIFFUSION
+    beta = vec4(vec3(1.0 - passed), variance);
+#elif PRECISION == PRECISION_PAPER
+    beta = vec3(1.0 - passed);
+#else
+    beta = vec4(vec3(1.0 - passed), 0.0);
+#endif
+}

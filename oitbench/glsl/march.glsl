@@ -1,0 +1,84 @@
+// A ray marched through the medium that fills a box (McGuire & Mara 2017, TVCG, section 7.2).
+// Filled by oitbench/gl/fog.py.
+#include "random.glsl"
+
+layout(std140, binding = 2) uniform Medium {
+    vec4 medium_low;     // corner of the box, m; extinction where the density is one, 1/m
+    vec4 medium_high;    // corner of the box, m; anisotropy g
+    vec4 medium_color;   // single-scattering albedo; collimation
+};
+
+#ifdef DENSITY
+uniform sampler3D density_texture;   // factor on the extinction, linear between cells' centers
+#endif
+
+// A part of the medium as thin as a surface, as which it is composited.
+struct Slice {
+    vec3 radiance;    // L
+    float coverage;   // alpha; a slice has no transmission
+    float z;          // view distance of its middle, m
+};
+
+// What the view ray of a pixel has of the medium.
+struct Path {
+    vec3 direction;   // from the eye, as long as to advance one metre of view distance
+    float enters;     // view distance, m
+    float leaves;
+};
+
+// Henyey & Greenstein 1941, 1/sr; `cosine` is between the directions before and after.
+float phase(float cosine) {
+    float g = medium_high.w;
+    float base = max(1.0 + g * g - 2.0 * g * cosine, 1e-12);
+    return (1.0 - g * g) / (4.0 * PI * base * sqrt(base));
+}
+
+float density_at(vec3 position) {
+#ifdef DENSITY
+    vec3 place = (position - medium_low.xyz) / (medium_high.xyz - medium_low.xyz);
+    return textureLod(density_texture, place, 0.0).r;
+#else
+    return 1.0;
+#endif
+}
+
+// Between near plane and the view distance `behind`; it may leave before it enters.
+Path path_through_medium(float behind) {
+    vec2 ndc = 2.0 * gl_FragCoord.xy / vec2(frame_size) - 1.0;
+    vec2 half_width = vec2(frame_size) / (2.0 * pixel_focal);
+    vec3 direction = transpose(mat3(world_to_camera)) * vec3(ndc * half_width, -1.0);
+    vec3 safe = mix(direction, vec3(1e-12), lessThan(abs(direction), vec3(1e-12)));
+    vec3 one = (medium_low.xyz - eye.xyz) / safe, other = (medium_high.xyz - eye.xyz) / safe;
+    vec3 first = min(one, other), last = max(one, other);
+    return Path(direction, max(max(first.x, first.y), max(first.z, near_plane)),
+                min(min(last.x, last.y), min(last.z, behind)));
+}
+
+// Radiance toward the eye of what scatters at `position`, per extinguished light.
+vec3 scattered(vec3 position, vec3 onward) {
+    vec3 sum = vec3(0.0);
+    for (int i = 0; i < BEAMS; ++i) {
+        vec3 light = irradiance(i, position) * phase(dot(toward_light(i, position), onward));
+        if (any(greaterThan(light, vec3(0.0)))) {
+            sum += light * beam_visibility(i, position, vec3(0.0));
+        }
+    }
+#ifdef ENVIRONMENT
+    sum += surrounding_radiance();
+#endif
+    return medium_color.rgb * sum * radiance_gain;
+}
+
+// Random part of a slice at which a pixel samples all of its slices: noise in place of bands.
+float jitter() { return unit_interval(hash(uvec3(gl_FragCoord.xy, 0)).x); }
+
+// The slice `k` of `count` of equal thickness, of which light and density are those `part` way in.
+Slice slice_of(Path path, int k, int count, float part) {
+    float thickness = max(path.leaves - path.enters, 0.0) / float(count);
+    float begins = path.enters + float(k) * thickness;
+    vec3 position = eye.xyz + (begins + part * thickness) * path.direction;
+    float metres = length(path.direction) * thickness;
+    float coverage = 1.0 - exp(-medium_low.w * density_at(position) * metres);
+    vec3 radiance = coverage > 0.0 ? scattered(position, normalize(path.direction)) : vec3(0.0);
+    return Slice(radiance, coverage, begins + 0.5 * thickness);
+}
