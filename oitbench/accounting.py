@@ -6,6 +6,7 @@ Its terms (pass × resource × kind) are kept, so that every total can be checke
 
 from __future__ import annotations
 
+import math
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -108,13 +109,14 @@ def shading(frame: Frame) -> dict[str, Any]:
 
 
 def _texels(frame: Frame, target: str) -> int:
-    samples = 1 if frame.declared[target].single else frame.samples
-    return frame.size[0] * frame.size[1] * samples
+    declared = frame.declared[target]
+    return math.prod(declared.size(frame.size)) * (1 if declared.single else frame.samples)
 
 
 def _pass_terms(frame: Frame, step: Pass, record: PassRecord) -> list[Term]:
-    texels = _texels(frame, next(iter(step.writes), "color"))
-    items = texels * record.runs if step.draws is Draws.PIXELS else record.fragments
+    screen = step.draws is Draws.PIXELS
+    texels = _texels(frame, next(iter(step.writes), step.depth or "color"))
+    items = texels * record.runs if screen else record.fragments
     terms = [
         Term(
             step.name,
@@ -126,7 +128,12 @@ def _pass_terms(frame: Frame, step: Pass, record: PassRecord) -> list[Term]:
         for name in step.clears
     ]
     for name in step.reads:
-        terms.append(Term(step.name, name, "read", items, frame.declared[name].texel.bytes))
+        # What is smaller than the screen that it is spread over counts once.
+        found = min(items, _texels(frame, name) * record.runs) if screen else items
+        terms.append(Term(step.name, name, "read", found, frame.declared[name].texel.bytes))
+    if screen and step.depth is not None:
+        size = frame.declared[step.depth].texel.bytes
+        terms.append(Term(step.name, step.depth, "write", items, size))
     for name, blend in step.writes.items():
         size = frame.declared[name].texel.bytes
         if blend.reads:

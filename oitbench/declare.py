@@ -7,12 +7,13 @@ prelude, the memory and the traffic. A method makes no OpenGL call and counts no
 from __future__ import annotations
 
 import enum
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import ClassVar
 
 from oitbench.effects import SHADING, Effect
-from oitbench.errors import UsageError, unknown
+from oitbench.errors import DeclarationError, UsageError, unknown
 from oitbench.formats import GLSL_BYTES, Format, find
 from oitbench.selector import Parameter, Value, variant
 
@@ -115,6 +116,10 @@ class Target:
     single : bool
         Whether the target has one sample a pixel also in a multisampled frame. A pass that writes
         such targets writes no others, and rasterizes pixel centers.
+    subsample : int
+        Every which pixel of the frame has a texel, along each axis; a block of pixels that the
+        frame's edge cuts has one too. A pass that writes such targets writes no others, and the
+        block `View` tells it the size of what it writes.
     """
 
     format: str
@@ -122,6 +127,16 @@ class Target:
     when: Effect = Effect.NONE
     single: bool = False
     instead: Mapping[Effect, str] = field(default_factory=dict)
+    subsample: int = 1
+
+    def __post_init__(self) -> None:
+        if self.subsample < 1:
+            raise DeclarationError(f"a target cannot have every {self.subsample}th pixel")
+
+    def size(self, frame: tuple[int, int]) -> tuple[int, int]:
+        """Return the target's (width, height) in a frame of that many pixels."""
+        width, height = (math.ceil(side / self.subsample) for side in frame)
+        return width, height
 
     def under(self, effects: Effect) -> Target:
         """Return the target as it is while `effects` run."""
@@ -182,6 +197,14 @@ class Draws(enum.Enum):
     """One triangle over the frame; the shader defines `void resolve()`."""
 
 
+class Objects(enum.Enum):
+    """Which of the transparent objects a pass is for; it is left out where a scene has none."""
+
+    ALL = "all"
+    PARTICLES = "particles"
+    OTHERS = "others"
+
+
 class Order(enum.Enum):
     """In which order geometry is submitted."""
 
@@ -213,11 +236,17 @@ class Pass:
         Runs only if one of these effects runs; NONE for always.
     depth : str, optional
         A target of format depth32f that this pass tests (nearer passes) and writes, in place of
-        the opaque depth, which is otherwise tested and never written.
+        the opaque depth, which is otherwise tested and never written. A pass over pixels tests
+        nothing and stores what its shader assigns to `gl_FragDepth`.
+    tests : str, optional
+        A target of format depth32f that a pass of fragments tests in place of the opaque depth,
+        and does not write.
     clears : tuple of str
         Targets that are cleared just before this pass, besides at the start of the frame.
     defines : mapping of str to int
         Macros for this pass, so that one shader can serve several.
+    objects : Objects
+        Which transparent objects are drawn, or whose results a pass over pixels serves.
     """
 
     shader: str
@@ -230,6 +259,8 @@ class Pass:
     depth: str | None = None
     clears: tuple[str, ...] = ()
     defines: Mapping[str, int] = field(default_factory=dict)
+    tests: str | None = None
+    objects: Objects = Objects.ALL
 
     @property
     def name(self) -> str:

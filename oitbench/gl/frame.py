@@ -8,9 +8,9 @@ import numpy as np
 import numpy.typing as npt
 
 from oitbench.collection import folder_of
-from oitbench.declare import Draws, Loop, Method, Order, Pass, Step, Target
+from oitbench.declare import Draws, Interleaved, Loop, Method, Order, Pass, Step, Target
 from oitbench.effects import Effect
-from oitbench.errors import CapabilityError, UsageError
+from oitbench.errors import CapabilityError, DeclarationError, UsageError
 from oitbench.gl.device import Device
 from oitbench.gl.geometry import Geometry
 from oitbench.gl.lighting import lighting_of
@@ -19,7 +19,17 @@ from oitbench.gl.passes import Blueprint, attach, compile_pass
 from oitbench.gl.prelude import TILE, bind
 from oitbench.gl.resources import Counts, Resources
 from oitbench.gl.shadows import Moved
-from oitbench.gl.steps import CompiledStep, Issuer, PassRecord, Sequence, passes_of, running, runs
+from oitbench.gl.steps import (
+    CompiledStep,
+    Drawn,
+    Issuer,
+    PassRecord,
+    Sequence,
+    passes_of,
+    running,
+    runs,
+    unneeded,
+)
 from oitbench.gl.view import view_block
 
 Image = npt.NDArray[np.float32]
@@ -86,11 +96,18 @@ class Frame:
         self.mechanism = self._mechanism(mechanism)
         self.complexity = count_fragments(device, geometry, size)
         self._check_depth()
-        targets = {k: t.under(effects) for k, t in method.targets.items() if runs(t.when, effects)}
+        spared = unneeded(method.passes, geometry.present)
+        targets = {
+            k: t.under(effects)
+            for k, t in method.targets.items()
+            if runs(t.when, effects) and k not in spared
+        }
         color = targets.pop("color", Target("rgba16f"))
         if self.mechanism == "spin lock":
             targets["lock"] = Target("r32ui")
-        buffers = {k: b for k, b in method.buffers.items() if runs(b.when, effects)}
+        buffers = {
+            k: b for k, b in method.buffers.items() if runs(b.when, effects) and k not in spared
+        }
         bindings = bind(buffers, counted)
         limit = min(device.max_block_bytes, block_limit or device.max_block_bytes)
         self.resources = Resources(device, size, targets, buffers, bindings, limit, self.samples)
@@ -118,13 +135,17 @@ class Frame:
             bindings, self.samples, self.mechanism or "", self.lighting,
         )  # fmt: skip
         absent = {*method.targets, *method.buffers} - {*targets, *buffers, "color"}
-        left = [running(step, effects, absent) for step in method.passes]
+        left = [running(step, effects, absent, geometry.present) for step in method.passes]
         self.steps = [self._compile(step) for step in left if step is not None]
         if self.resources.listed:
             self.resources.reserve(_by_tile(self.complexity, self.resources.tiles))
         self._view = device.context.buffer(view_block(geometry.scene.camera, size, False))
-        self._issuer = Issuer(device, self._view, self.resources)
-        self._sequences: dict[Order, Sequence] = {}
+        sizes = {target.subsample for target in targets.values()} - {1}
+        self._views = {1: self._view}
+        for subsample in sizes:
+            self._views[subsample] = device.context.buffer(self._block(subsample, False))
+        self._issuer = Issuer(device, self._views, self.resources)
+        self._sequences: dict[Drawn, Sequence] = {}
         self._transmittance: bool | None = None
         self.shading_records: list[PassRecord] = []
         self.shading_moved: list[Moved] = []
@@ -155,7 +176,14 @@ class Frame:
             return None
         return asked or self.device.mechanism(self.samples)
 
+    def _block(self, subsample: int, transmittance: bool) -> bytes:
+        """Return the bytes of `View` for targets of every `subsample`th pixel."""
+        return view_block(self.geometry.scene.camera, self.size, transmittance, subsample)
+
     def _compile(self, step: Step) -> CompiledStep:
+        if isinstance(step, Interleaved) and len({item.objects for item in step.passes}) > 1:
+            shaders = " and ".join(item.shader for item in step.passes)
+            raise DeclarationError(f"{shaders}: interleaved passes must draw the same objects")
         names = [self.textures]
         if isinstance(step, Loop) and step.swaps:
             traded = {a: self.textures[b] for pair in step.swaps for a, b in (pair, pair[::-1])}
@@ -180,18 +208,24 @@ class Frame:
             Seed that shuffles what is drawn, within the freedom that each order leaves.
         """
         start = time.perf_counter()
-        orders = {compiled.step.order for compiled in self.steps}
-        for order in orders:
-            self._upload(order, permutation)
-        return 1e3 * (time.perf_counter() - start) if orders - {Order.SUBMISSION} else 0.0
+        wanted = {
+            (compiled.step.order, item.step.objects)
+            for compiled in self.steps
+            for item in compiled.rounds[0]
+        }
+        for drawn in wanted:
+            self._upload(drawn, permutation)
+        sorts = any(order is not Order.SUBMISSION for order, _ in wanted)
+        return 1e3 * (time.perf_counter() - start) if sorts else 0.0
 
-    def _upload(self, order: Order, permutation: int | None) -> None:
-        indices, units = self.geometry.transparent.arrange(order, permutation)
-        known = self._sequences.get(order)
+    def _upload(self, drawn: Drawn, permutation: int | None) -> None:
+        order, objects = drawn
+        indices, units = self.geometry.batches[objects].arrange(order, permutation)
+        known = self._sequences.get(drawn)
         buffer = known.indices if known else self.device.context.buffer(reserve=indices.nbytes + 12)
         if len(indices):
             buffer.write(indices.tobytes())
-        self._sequences[order] = Sequence(buffer, units, len(indices))
+        self._sequences[drawn] = Sequence(buffer, units, len(indices))
 
     # -- rendering -----------------------------------------------------------------------------
 
@@ -218,6 +252,9 @@ class Frame:
                 self.device.copy(behind[1], copied, self.size, self.samples)
             if "opaque_depth_single" in self.textures:
                 self._draw_opaque_single()
+            for subsample, view in self._views.items():
+                if subsample > 1:
+                    view.write(self._block(subsample, transmittance))
             self._transmittance = transmittance
         self.sort(permutation)
         for _ in range(_ATTEMPTS):
@@ -269,7 +306,8 @@ class Frame:
             scissor = region.scissor(self.size)
             for name, target in resources.targets.items():
                 self._framebuffers[name].use()
-                self._framebuffers[name].scissor = scissor
+                whole = (0, 0, *target.size(self.size))
+                self._framebuffers[name].scissor = scissor if target.subsample == 1 else whole
                 self.device.clear(0, target.texel, target.clear)
             resources.begin(region)
             resources.bind()
@@ -291,18 +329,18 @@ class Frame:
 
     def read(self, target: str) -> Image:
         """Read a target as float32 [h, w, components], top row first; samples are averaged."""
-        entry = self.declared[target].texel
+        entry, size = self.declared[target].texel, self.declared[target].size(self.size)
         texture = self.textures[target]
         several = self.samples > 1 and not self.declared[target].single
         if several:
-            texture = self.device.texture(self.size, entry)
+            texture = self.device.texture(size, entry)
             framebuffer = attach(self.device, texture, entry)
             framebuffer.use()  # without a scissor
             self.device.context.copy_framebuffer(framebuffer, self._framebuffers[target])
             framebuffer.release()
         kinds = {"f1": np.uint8, "f2": np.float16, "f4": np.float32, "u4": np.uint32}
         data = np.frombuffer(texture.read(), dtype=kinds[entry.dtype])
-        texels = data.reshape(self.size[1], self.size[0], entry.components)[::-1]
+        texels = data.reshape(size[1], size[0], entry.components)[::-1]
         if several:
             texture.release()
         scale = np.float32(1 / 255 if entry.dtype == "f1" else 1)
@@ -318,7 +356,8 @@ class Frame:
             framebuffer.release()
         for name in {*self.textures} - {*self.resources.textures}:
             self.textures[name].release()
-        self._view.release()
+        for view in self._views.values():
+            view.release()
         self.resources.release()
 
 

@@ -11,7 +11,7 @@ import moderngl
 import numpy as np
 import numpy.typing as npt
 
-from oitbench.declare import Order
+from oitbench.declare import Objects, Order
 from oitbench.effects import Effect
 from oitbench.errors import SceneError, UsageError
 from oitbench.gl.device import Device
@@ -96,6 +96,8 @@ class Geometry:
     opaque, transparent : Batch
     casting : Batch
         What is transparent and casts shadows.
+    batches : dict of Objects to Batch
+        What is transparent, by what a pass asks for.
     vertices : moderngl.Buffer
     textures : dict of str to moderngl.TextureArray or moderngl.Texture
         Samplers of the surface shader by name.
@@ -128,6 +130,13 @@ class Geometry:
             else self._batch(scene.transparent, parts)
         )
         self.casting = self._part(scene.transparent, lambda item: item.casts)
+        particles = self._part(scene.transparent, lambda item: item.particles)
+        others = self._part(scene.transparent, lambda item: not item.particles)
+        self.batches = {
+            Objects.ALL: self.transparent,
+            Objects.PARTICLES: particles,
+            Objects.OTHERS: others if len(particles.triangles) else self.transparent,
+        }
         vertices = np.concatenate(parts) if parts else np.zeros(1, VERTEX)
         self.vertices = device.context.buffer(vertices.tobytes())
 
@@ -138,6 +147,12 @@ class Geometry:
             return f"#define LISTS {self._storeys}"
         found = {"TEXTURED": "surface_textures", "DETAILED": "surface_materials"}
         return "\n".join(f"#define {k} 1" for k, name in found.items() if name in self.textures)
+
+    @property
+    def present(self) -> frozenset[Objects]:
+        """Choices of objects that the scene has any of; of all, always."""
+        found = {kind for kind, batch in self.batches.items() if len(batch.triangles)}
+        return frozenset({Objects.ALL, *found})
 
     def _part(self, objects: tuple[Object, ...], chosen: Callable[[Object], bool]) -> Batch:
         """Return those of the transparent objects that are `chosen`."""

@@ -11,7 +11,7 @@ import moderngl
 
 from oitbench.declare import Buffer, Draws, Method, Pass, Target
 from oitbench.effects import Effect
-from oitbench.errors import CapabilityError, DeclarationError
+from oitbench.errors import CapabilityError, DeclarationError, unknown
 from oitbench.formats import Format
 from oitbench.gl import prelude
 from oitbench.gl.device import Device
@@ -61,7 +61,8 @@ class Blueprint:
 class CompiledPass:
     """A pass that can be drawn. `begin` sets all of its state; none is trusted to be left over.
 
-    `clears` are the framebuffer, format and value of each target to clear just before.
+    `clears` are the framebuffer, format and value of each target to clear just before; `subsample`
+    is that of the targets that it writes.
     """
 
     def __init__(
@@ -75,10 +76,12 @@ class CompiledPass:
         vertices: moderngl.Buffer,
         depth_writes: bool,
         blocks: Mapping[int, moderngl.Buffer],
+        subsample: int = 1,
     ) -> None:
         self.device, self.step, self.program = device, step, program
         self.framebuffer, self.samplers, self.vertices = framebuffer, samplers, vertices
         self.images, self.depth_writes, self.blocks = images, depth_writes, blocks
+        self.subsample = subsample
         self.clears: list[tuple[moderngl.Framebuffer, Format, tuple[float, ...]]] = []
         self._arrays: dict[int, moderngl.VertexArray] = {}
 
@@ -91,8 +94,9 @@ class CompiledPass:
         geometry = self.step.draws is Draws.FRAGMENTS
         # Blending stays on also where it replaces: with blending, depth test and discard all off,
         # llvmpipe drops the side effects of primitives that a later one covers.
-        context.enable_only(moderngl.BLEND | (moderngl.DEPTH_TEST if geometry else 0))
-        context.depth_func = "<"
+        depth = geometry or self.step.depth is not None
+        context.enable_only(moderngl.BLEND | (moderngl.DEPTH_TEST if depth else 0))
+        context.depth_func = "<" if geometry else "1"
         for slot, blend in enumerate(self.step.writes.values()):
             device.set_blend(slot, blend)
         for unit, texture in enumerate(self.samplers.values()):
@@ -162,6 +166,7 @@ def compile_pass(
         A name is not declared, or a shader does not compile; the message gives file and line.
     """
     device, geometry = blueprint.device, blueprint.geometry
+    subsample = _subsample(step, blueprint.declared)
     vertex, fragment = _sources(blueprint, step)
     images = _images(blueprint, step, textures)
     colors = [] if images else [textures[name] for name in step.writes]
@@ -186,20 +191,44 @@ def compile_pass(
         program[name] = unit
     depth = None
     # A framebuffer must have something, also where the pass writes nothing but buffers.
-    if step.draws is Draws.FRAGMENTS or not colors:
+    own = step.depth or step.tests
+    if step.draws is Draws.FRAGMENTS or own is not None or not colors:
         centers = blueprint.samples > 1 and prelude.single(step, blueprint.declared)
-        depth = textures[step.depth or ("opaque_depth_single" if centers else "opaque_depth")]
+        depth = textures[own or ("opaque_depth_single" if centers else "opaque_depth")]
     framebuffer = device.context.framebuffer(colors, depth)
     writes_depth = depth_writes or step.depth is not None
     compiled = CompiledPass(
         device, step, program, framebuffer, used, images, geometry.vertices, writes_depth,
-        {} if lighting is None else lighting.blocks,
+        {} if lighting is None else lighting.blocks, subsample,
     )  # fmt: skip
     for name in step.clears:
         target = blueprint.declared[name]
         place = attach(device, textures[name], target.texel)
         compiled.clears.append((place, target.texel, target.clear))
     return compiled
+
+
+def _subsample(step: Pass, declared: Mapping[str, Target]) -> int:
+    """Return the `subsample` of all that the pass writes and tests; raise unless there is one."""
+    depths = [name for name in (step.depth, step.tests) if name is not None]
+    if len(depths) > 1 or (step.tests is not None and step.draws is Draws.PIXELS):
+        raise DeclarationError(
+            f"{step.shader}: `tests` is for passes of fragments that have no `depth`"
+        )
+    if not depths and step.draws is Draws.FRAGMENTS:
+        depths = ["opaque_depth"]
+    for name in {*step.writes, *depths} - {*declared}:
+        raise DeclarationError(f"{step.shader}: {unknown('target', name, declared)}")
+    for name in {*depths} & {*step.reads} - {"opaque_depth"}:
+        raise DeclarationError(f"{step.shader}: reads and tests '{name}' in one pass")
+    kinds = {name: declared[name].subsample for name in (*step.writes, *depths)}
+    if len({*kinds.values()}) > 1:
+        told = ", ".join(f"{name} 1/{kind}" for name, kind in kinds.items())
+        raise DeclarationError(f"{step.shader}: all targets of a pass must have one size: {told}")
+    subsample = next(iter(kinds.values()), 1)
+    if subsample > 1 and step.buffers:
+        raise DeclarationError(f"{step.shader}: a pass that touches buffers must be of full size")
+    return subsample
 
 
 def _images(

@@ -80,7 +80,7 @@ def macros(method: Method, effects: Effect) -> str:
 def defines(step: Pass) -> str:
     """Return the pass's own macros, and what the scene's shader must know of the pass."""
     lines = [f"#define {name} {value}" for name, value in step.defines.items()]
-    if step.depth is not None:
+    if step.depth is not None or step.tests is not None:
         lines.append("#define OWN_DEPTH 1")
     return "\n".join(lines)
 

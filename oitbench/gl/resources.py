@@ -112,7 +112,7 @@ class Resources:
         self.bindings, self.block_limit = bindings, block_limit
         self.tiles = (math.ceil(size[1] / TILE), math.ceil(size[0] / TILE))
         self.textures = {
-            name: device.texture(size, target.texel, self.samples_of(name))
+            name: device.texture(target.size(size), target.texel, self.samples_of(name))
             for name, target in targets.items()
         }
         self._blocks: dict[tuple[str, str], moderngl.Buffer] = {}
@@ -229,8 +229,8 @@ class Resources:
 
     def copy(self, source: str, target: str) -> None:
         """Copy one target's texels to another of its format."""
-        samples = self.samples_of(target)
-        self.device.copy(self.textures[source], self.textures[target], self.size, samples)
+        samples, size = self.samples_of(target), self.targets[target].size(self.size)
+        self.device.copy(self.textures[source], self.textures[target], size, samples)
 
     def take_counts(self) -> dict[tuple[str, str, str], int]:
         """Return the accesses counted since the last call, by (buffer, field, kind)."""
@@ -244,9 +244,8 @@ class Resources:
 
     def memory(self) -> list[tuple[str, int]]:
         """Return (resource, bytes) of all that the method's declaration allocated."""
-        pixels = self.size[0] * self.size[1]
         terms = [
-            (name, target.texel.bytes * pixels * self.samples_of(name))
+            (name, target.texel.bytes * math.prod(target.size(self.size)) * self.samples_of(name))
             for name, target in self.targets.items()
         ]
         terms += [

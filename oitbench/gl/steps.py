@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass, field, replace
 
@@ -11,13 +11,15 @@ import moderngl
 import numpy as np
 import numpy.typing as npt
 
-from oitbench.declare import Draws, Interleaved, Loop, Order, Pass, Step
+from oitbench.declare import Draws, Interleaved, Loop, Objects, Order, Pass, Step
 from oitbench.effects import Effect
 from oitbench.gl.device import Device
 from oitbench.gl.passes import CompiledPass
 from oitbench.gl.resources import Resources
 
 Scissor = tuple[int, int, int, int]
+Drawn = tuple[Order, Objects]
+"""What a sequence of triangles is made for."""
 ITERATION_OFFSET = 160
 """Byte of `iteration` in the uniform block `View`."""
 
@@ -86,7 +88,23 @@ def runs(when: Effect, effects: Effect) -> bool:
     return when is Effect.NONE or bool(when & effects)
 
 
-def running(step: Step, effects: Effect, absent: set[str]) -> Step | None:
+def names_of(step: Pass) -> set[str]:
+    """Return the names of all targets and buffers that a pass has to do with."""
+    depths = [name for name in (step.depth, step.tests) if name is not None]
+    return {*step.reads, *step.writes, *step.buffers, *step.clears, *depths}
+
+
+def unneeded(steps: Iterable[Step], present: Collection[Objects]) -> set[str]:
+    """Return the targets and buffers that serve only passes for objects that are not `present`."""
+    passes = [item for step in steps for item in passes_of(step)]
+    needed = [names_of(item) for item in passes if item.objects in present]
+    others = [names_of(item) for item in passes if item.objects not in present]
+    return set().union(*others) - set().union(*needed)
+
+
+def running(
+    step: Step, effects: Effect, absent: set[str], present: Collection[Objects]
+) -> Step | None:
     """Return what is left of `step`: the passes that run, without the `absent` resources."""
     passes = tuple(
         replace(
@@ -97,7 +115,7 @@ def running(step: Step, effects: Effect, absent: set[str]) -> Step | None:
             clears=tuple(name for name in item.clears if name not in absent),
         )
         for item in passes_of(step)
-        if runs(item.when, effects)
+        if runs(item.when, effects) and item.objects in present
     )
     if not passes:
         return None
@@ -110,23 +128,25 @@ class Issuer:
     Parameters
     ----------
     device : Device
-    view : moderngl.Buffer
-        The uniform block `View`.
+    views : mapping of int to moderngl.Buffer
+        The uniform block `View`, by the `subsample` of what is written.
     resources : Resources
         Of which the targets that loops swap, and the counters of buffer accesses, are needed.
     """
 
-    def __init__(self, device: Device, view: moderngl.Buffer, resources: Resources) -> None:
-        self.device, self.view, self.resources = device, view, resources
+    def __init__(
+        self, device: Device, views: Mapping[int, moderngl.Buffer], resources: Resources
+    ) -> None:
+        self.device, self.views, self.resources = device, views, resources
 
     def issue(
         self,
         steps: list[CompiledStep],
-        sequences: Mapping[Order, Sequence],
+        sequences: Mapping[Drawn, Sequence],
         scissor: Scissor,
         records: list[PassRecord] | None,
     ) -> None:
-        """Issue all steps once, within `scissor`."""
+        """Issue all steps once, within `scissor`; what is subsampled is done as a whole."""
         first = 0
         for compiled in steps:
             count = len(compiled.rounds[0])
@@ -134,14 +154,15 @@ class Issuer:
                 while len(records) < first + count:
                     records.append(PassRecord(compiled.rounds[0][len(records) - first].step.name))
             mine = records[first : first + count] if records is not None else None
-            sequence = sequences[compiled.step.order]
+            order = compiled.step.order
+            each = [sequences[order, item.step.objects] for item in compiled.rounds[0]]
             if isinstance(compiled.step, Interleaved):
-                self._interleave(compiled, sequence, scissor, mine)
+                self._interleave(compiled, each[0], scissor, mine)
             elif isinstance(compiled.step, Loop):
-                self._loop(compiled, compiled.step, sequence, scissor, mine)
+                self._loop(compiled, compiled.step, each, scissor, mine)
             else:
                 self._draw(
-                    compiled.rounds[0][0], sequence, scissor, mine[0] if mine else None, None, False
+                    compiled.rounds[0][0], each[0], scissor, mine[0] if mine else None, None, False
                 )
             first += count
 
@@ -163,18 +184,18 @@ class Issuer:
         self,
         compiled: CompiledStep,
         loop: Loop,
-        sequence: Sequence,
+        sequences: list[Sequence],
         scissor: Scissor,
         records: list[PassRecord] | None,
     ) -> None:
         done = 0
         for number in range(loop.times):
-            self.view.write(np.uint32(number).tobytes(), offset=ITERATION_OFFSET)
+            self._tell(number)
             empty = False
             for index, item in enumerate(compiled.rounds[number % len(compiled.rounds)]):
                 record = records[index] if records is not None else None
                 asked = item.step.name == loop.until_empty
-                passed = self._draw(item, sequence, scissor, record, None, asked)
+                passed = self._draw(item, sequences[index], scissor, record, None, asked)
                 empty = empty or (asked and passed == 0)
             done = number + 1
             if empty:
@@ -182,7 +203,16 @@ class Issuer:
         if done % 2:
             for one, other in loop.swaps:
                 self.resources.copy(other, one)
-        self.view.write(np.uint32(0).tobytes(), offset=ITERATION_OFFSET)
+        self._tell(0)
+
+    def _tell(self, iteration: int) -> None:
+        for view in self.views.values():
+            view.write(np.uint32(iteration).tobytes(), offset=ITERATION_OFFSET)
+
+    def _within(self, framebuffer: moderngl.Framebuffer, scissor: Scissor) -> Scissor:
+        """Return the part to write: `scissor` is one of the frame, and no smaller target's."""
+        whole = framebuffer.size == self.resources.size
+        return scissor if whole else (0, 0, *framebuffer.size)
 
     def _draw(
         self,
@@ -199,9 +229,9 @@ class Issuer:
         with self._measured(item, record):
             for framebuffer, entry, value in item.clears:
                 framebuffer.use()
-                framebuffer.scissor = scissor
+                framebuffer.scissor = self._within(framebuffer, scissor)
                 self.device.clear(0, entry, value)
-            item.begin(self.view, scissor)
+            item.begin(self.views[item.subsample], self._within(item.framebuffer, scissor))
             with query or nullcontext():
                 if item.step.draws is Draws.PIXELS:
                     item.draw_screen()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -83,9 +83,29 @@ def camera_projection(camera: Camera, aspect: float) -> Projection:
     )
 
 
-def view_block(camera: Camera, size: tuple[int, int], transmittance: bool) -> bytes:
-    """Return the bytes of `View` for a frame of `size`."""
-    return camera_projection(camera, size[0] / size[1]).block(size, transmittance)
+def view_block(
+    camera: Camera, size: tuple[int, int], transmittance: bool, subsample: int = 1
+) -> bytes:
+    """Return the bytes of `View` for a frame of `size`, or for its blocks of pixels.
+
+    Parameters
+    ----------
+    camera : Camera
+    size : (int, int)
+        Width and height of the frame in pixels.
+    transmittance : bool
+        Whether radiance is left out.
+    subsample : int
+        Pixels along each side of a block. Blocks that the frame's edge cuts are seen as a whole, so
+        that each stands for as many pixels as any other.
+    """
+    seen = camera_projection(camera, size[0] / size[1])
+    small = (math.ceil(size[0] / subsample), math.ceil(size[1] / subsample))
+    across, along = (side / (subsample * count) for side, count in zip(size, small, strict=True))
+    whole = np.diag([across, along, 1.0, 1.0])
+    whole[:2, 3] = across - 1, along - 1
+    seen = replace(seen, to_clip=whole @ seen.to_clip, focal=seen.focal * along)
+    return seen.block(small, transmittance)
 
 
 def light_projection(
