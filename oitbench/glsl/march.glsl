@@ -69,8 +69,15 @@ vec3 scattered(vec3 position, vec3 onward) {
     return medium_color.rgb * sum * radiance_gain;
 }
 
-// Random part of a slice at which a pixel samples all of its slices: noise in place of bands.
-float jitter() { return unit_interval(hash(uvec3(gl_FragCoord.xy, 0)).x); }
+// Part of a slice at which a pixel samples all of its slices: noise in place of bands. Blocks of
+// pixels draw it at random; the 4 x 4 pixels of a block share it out evenly, and so does every
+// quarter of a block (Bayer 1973).
+float jitter() {
+    uvec2 pixel = uvec2(gl_FragCoord.xy);
+    uint x = pixel.x ^ pixel.y, y = pixel.y;
+    uint rank = (x & 1u) * 8u + (y & 1u) * 4u + (x >> 1 & 1u) * 2u + (y >> 1 & 1u);
+    return fract(float(rank) / 16.0 + unit_interval(hash(uvec3(pixel / 4u, 0)).x));
+}
 
 // The slice `k` of `count` of equal thickness, of which light and density are those `part` way in.
 Slice slice_of(Path path, int k, int count, float part) {
