@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-DEPTH = 16
+DEPTH = 32
 """Surfaces that a photon may meet."""
 
 

@@ -8,6 +8,7 @@ square cells of a grid rather than by nearest neighbors: a lookup is four search
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -16,6 +17,7 @@ import numpy.typing as npt
 
 from oitbench.errors import CapabilityError
 from oitbench.path_traced.aim import Aim
+from oitbench.path_traced.photon_cells import BITS, WIDER, PhotonCells
 from oitbench.path_traced.photon_paths import DEPTH, PhotonPaths
 from oitbench.scene import Mesh, Object, Scene
 
@@ -29,10 +31,6 @@ LEAST_FACING = 0.4
 looked up along the longest one, at least 0.58, and needs its neighborhood there."""
 CHUNK = 1 << 19
 """Photons that are traced at once: some hundred bytes each."""
-BITS = 20
-"""Of a key for each coordinate of a cell; above them lies the direction."""
-MOST_PENDING = 1 << 22
-"""Deposits that wait to be summed up: 32 bytes each."""
 CLEAREST = 1e-6
 """Least transmission that has a finite absorption."""
 
@@ -141,7 +139,7 @@ class CausticMap:
         frame = middle, drjit.opaque(mitsuba.Float, side)
         grid = cls(mitsuba, drjit, *frame, mitsuba.UInt64(), mitsuba.Float())
         media = _media(mitsuba, drjit, mitsuba_scene, items)
-        sums = _Sums()
+        cells = PhotonCells()
         for number, aim in enumerate(aims):
             seeds = np.random.SeedSequence((seed, number)).generate_state(1 + 2 * DEPTH).tolist()
             paths = PhotonPaths(mitsuba, drjit, mitsuba_scene, media, seeds[1:])
@@ -149,10 +147,12 @@ class CausticMap:
                 index = drjit.arange(mitsuba.UInt32, min(CHUNK, aim.count - first))
                 index += drjit.opaque(mitsuba.UInt32, first)
                 for hit in paths.follow(*aim.emit(mitsuba, drjit, index, seeds[0]), index):
-                    grid._deposit(sums, *hit)
-        keys, power = sums.layers()
-        light = (power / side**2).astype(np.float32).ravel()
-        return replace(grid, keys=mitsuba.UInt64(keys), light=mitsuba.Float(light))
+                    grid._deposit(cells, *hit)
+        keys, power = cells.finish()
+        wide = keys >> np.uint64(3 * BITS + 3)
+        light = power / np.where(wide, side * WIDER, side)[:, None] ** 2
+        light = mitsuba.Float(light.astype(np.float32).ravel())
+        return replace(grid, keys=mitsuba.UInt64(keys), light=light)
 
     def irradiance(self, si: Any, active: Any = True) -> Any:
         """Return the irradiance at the interaction `si`, Color3f in W·m⁻²."""
@@ -166,13 +166,16 @@ class CausticMap:
             drjit.select(along_x, a, drjit.select(along_y, b, c))
             for a, b, c in zip(*places, strict=True)
         )
-        u, v, w = u - 0.5, v - 0.5, drjit.floor(w - 0.5)
-        left, low = drjit.floor(u), drjit.floor(v)
-        for column, across in ((left, 1 - (u - left)), (left + 1, u - left)):
-            for row, along in ((low, 1 - (v - low)), (low + 1, v - low)):
-                key, inside = self._key(axis, facing, column, row, w)
-                light = self._light(key, inside & active) * (across * along)
-                total += drjit.select(inside & active, light, 0)
+        for level in range(2):
+            left, low = u - 0.5, v - 0.5
+            column, row, layer = drjit.floor(left), drjit.floor(low), drjit.floor(w - 0.5)
+            for right, across in ((0, 1 - (left - column)), (1, left - column)):
+                for up, along in ((0, 1 - (low - row)), (1, low - row)):
+                    cell = column + right, row + up, layer
+                    key, inside = self._key(level, axis, facing, cell)
+                    light = self._light(key, inside & active) * (across * along)
+                    total += drjit.select(inside & active, light, 0)
+            u, v, w = u / WIDER, v / WIDER, w / WIDER
         return total
 
     def _light(self, key: Any, active: Any) -> Any:
@@ -194,60 +197,29 @@ class CausticMap:
         across = offset[(axis + 1) % 3], offset[(axis + 2) % 3]
         return *across, offset[axis] / THICKNESS, n[axis]
 
-    def _key(self, axis: Any, facing: Any, *cell: Any) -> tuple[Any, Any]:
+    def _key(self, level: int, axis: Any, facing: Any, cell: Sequence[Any]) -> tuple[Any, Any]:
         """Return the key of the cell of three whole coordinates, and whether it has any."""
         drjit, mitsuba = self.drjit, self.mitsuba
-        reach = 1 << (BITS - 1)
-        key = mitsuba.UInt64(2 * axis + drjit.select(facing < 0, mitsuba.UInt32(1), 0))
-        inside = mitsuba.Bool(True)
+        middle = (1 << (BITS - 1)) // WIDER**level
+        head = (level << 3) + 2 * axis + drjit.select(facing < 0, mitsuba.UInt32(1), 0)
+        key, inside = mitsuba.UInt64(head), mitsuba.Bool(True)
         for value in cell:
-            inside &= drjit.abs(value) < reach - 1
-            number = mitsuba.UInt32(drjit.select(inside, value, 0) + reach)
+            inside &= drjit.abs(value) < middle // 2
+            number = mitsuba.UInt32(drjit.select(inside, value, 0) + middle)
             key = (key << BITS) | mitsuba.UInt64(number)
         return key, inside
 
-    def _deposit(self, sums: _Sums, p: Any, n: Any, power: Any, active: Any) -> None:
-        """Add the photons of `power` that arrive at `p` to `sums`, for each axis that it faces."""
+    def _deposit(self, cells: PhotonCells, p: Any, n: Any, power: Any, active: Any) -> None:
+        """Add the photons of `power` that arrive at `p` to `cells`, for each axis that it faces."""
         drjit, mitsuba = self.drjit, self.mitsuba
         for axis in range(3):
             *cell, facing = self._place(p, n, axis)
-            key, inside = self._key(mitsuba.UInt32(axis), facing, *map(drjit.floor, cell))
+            key, inside = self._key(0, mitsuba.UInt32(axis), facing, [drjit.floor(x) for x in cell])
             # A cell's surface is larger than its cross-section where it is tilted.
             value = power * drjit.abs(facing)
             hit = drjit.compress(active & inside & (drjit.abs(facing) > LEAST_FACING))
             keys = drjit.gather(mitsuba.UInt64, key, hit).numpy()
-            sums.add(keys, drjit.gather(mitsuba.Color3f, value, hit).numpy().T)
-
-
-class _Sums:
-    """Power by the keys of cells."""
-
-    def __init__(self) -> None:
-        self._keys: list[npt.NDArray[np.uint64]] = []
-        self._power: list[npt.NDArray[np.float64]] = []
-        self._pending = 0
-
-    def add(self, keys: npt.NDArray[np.uint64], power: npt.NDArray[np.floating[Any]]) -> None:
-        """Add `power`, shape (n, 3), to the cells `keys`, shape (n,)."""
-        self._keys.append(keys)
-        self._power.append(power.astype(np.float64))
-        self._pending += len(keys)
-        if self._pending > MOST_PENDING:
-            self._merge()
-
-    def _merge(self) -> None:
-        keys, inverse = np.unique(np.concatenate(self._keys), return_inverse=True)
-        power = np.concatenate(self._power)
-        sums = [np.bincount(inverse, weights=channel, minlength=len(keys)) for channel in power.T]
-        self._keys, self._power = [keys], [np.stack(sums, axis=1)]
-        self._pending = 0
-
-    def layers(self) -> tuple[npt.NDArray[np.uint64], npt.NDArray[np.float64]]:
-        """Return cells that overlap by half, ascending, so that one lookup sees both neighbors."""
-        self._merge()
-        self.add(self._keys[0] - np.uint64(1), self._power[0])
-        self._merge()
-        return self._keys[0], self._power[0]
+            cells.add(keys, drjit.gather(mitsuba.Color3f, value, hit).numpy().T)
 
 
 def _triangles(mesh: Mesh) -> npt.NDArray[np.float64]:
