@@ -2,8 +2,9 @@
 
 A view ray meets up to four walls per bottle: outer and inner wall, at the front and at the back.
 One bottle is one object and its mesh holds both shells, as a modeler would export it. So no order
-of the objects is right: inside a bottle the triangles come in the order of the mesh. The
-arrangement is that of figure 12 of McGuire & Mara 2017, "Phenomenological Transparency".
+of the objects is right: inside a bottle the triangles come in the order of the mesh. A lamp behind
+them throws their colors on the table. The arrangement is that of figure 12 of McGuire & Mara 2017,
+"Phenomenological Transparency".
 """
 
 from __future__ import annotations
@@ -13,20 +14,20 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from oitbench.bake import (
+from oitbench.geometry import (
     Floats,
-    Rig,
-    cone,
-    diffuse,
-    gloss,
-    normals_of,
-    revolved_chord,
-    tint,
-    with_radiance,
+    divisions,
+    grid,
+    lathe,
+    merge,
+    smooth_curve,
+    transform,
+    translation,
 )
-from oitbench.geometry import divisions, grid, lathe, merge, smooth_curve, transform, translation
-from oitbench.scene import RGB, WHITE, Camera, Material, Mesh, Object, Scene
+from oitbench.lights import DirectionalLight
+from oitbench.scene import RGB, Camera, Material, Mesh, Object, Scene
 from oitbench.selector import Parameter
+from oitbench.skies import gradient_sky
 
 parameters = {
     "detail": Parameter(1.0, low=0.0, high=100.0, help="factor on the triangles of a surface"),
@@ -36,22 +37,20 @@ parameters = {
 WALL = 0.0025
 # The bottles stand off the table by a millimetre: coincident surfaces have no right picture.
 GAP = 0.001
-BACKGROUND: RGB = (0.42, 0.52, 0.60)
-# The lamp behind the bottles throws colored shadows towards the viewer; a window in front of
-# them makes the highlights.
-LAMP = Rig(
-    toward_key=(-0.62, 1.0, -0.62),
-    key=(0.54, 0.51, 0.45),
-    sky=(0.50, 0.51, 0.53),
-    ground=(0.46, 0.46, 0.46),
+TABLE_WIDTH = 4.0
+# The lamp stands behind the bottles, so that their shadows fall towards the viewer.
+LAMP_DIRECTION: RGB = (0.62, -1.0, 0.62)
+LAMP: RGB = (2.1, 2.0, 1.8)  # irradiance
+ROOM = (
+    (-90.0, (0.40, 0.39, 0.37)),
+    (0.0, (0.48, 0.52, 0.56)),
+    (30.0, (0.62, 0.70, 0.78)),
+    (90.0, (0.34, 0.38, 0.44)),
 )
-WINDOW = Rig(
-    toward_key=(-0.75, 0.55, 0.75),
-    key=(0.24, 0.25, 0.26),
-    sky=(0.55, 0.60, 0.66),
-    ground=(0.22, 0.21, 0.20),
-)
-LAMP_SPREAD = math.radians(4)
+PAPER = Material(albedo=(0.80, 0.77, 0.72), specular=0.0)
+# Both of its walls are thin films: smooth enough for a highlight, and slightly milky.
+REFLECTANCE, ROUGHNESS = 0.05, 0.25
+MILKINESS = 0.08  # albedo of a white wall
 
 
 @dataclass(frozen=True)
@@ -109,23 +108,38 @@ def build(*, name: str, detail: float, coverage: float) -> Scene:
     camera = Camera(
         position=(0.03, 0.25, 0.98), target=(0.002, 0.142, 0.0), fov_y=math.radians(23.5)
     )
-    objects = [Object("table", _table(detail), Material(emission=WHITE))]
+    objects = [Object("table", _table(detail), PAPER, casts=False)]
     for bottle in BOTTLES:
-        plastic = Material(coverage=coverage, transmission=bottle.transmission, emission=WHITE)
-        objects.append(Object(bottle.name, _plastic(bottle, camera, detail), plastic))
-        cap = _cap(bottle, camera, detail)
-        objects.append(Object(f"cap of {bottle.name}", cap, Material(emission=WHITE)))
-    return Scene(name=name, camera=camera, objects=tuple(objects), background=BACKGROUND)
+        objects.append(Object(bottle.name, _walls(bottle, detail), _plastic(bottle, coverage)))
+        cap = Material(albedo=_shade(bottle, 0.75, 3, 0.05), specular=0.04, roughness=0.35)
+        objects.append(Object(f"cap of {bottle.name}", _cap(bottle, detail), cap))
+    lamp = DirectionalLight(LAMP_DIRECTION, LAMP)
+    return Scene(name, camera, tuple(objects), lights=(lamp, gradient_sky(ROOM)))
 
 
-def _plastic(bottle: Bottle, camera: Camera, detail: float) -> Mesh:
-    """Return outer and inner wall as one mesh, with a hint of body color under the reflections."""
+def _plastic(bottle: Bottle, coverage: float) -> Material:
+    """Return the film of one wall, with a hint of body color under the reflections."""
+    return Material(
+        coverage=coverage,
+        transmission=bottle.transmission,
+        albedo=_shade(bottle, MILKINESS, 2, 0.0),
+        specular=REFLECTANCE,
+        roughness=ROUGHNESS,
+    )
+
+
+def _shade(bottle: Bottle, scale: float, power: int, offset: float) -> RGB:
+    """Return a darker, more saturated shade of what passes the bottle."""
+    red, green, blue = (scale * part**power + offset for part in bottle.transmission)
+    return (red, green, blue)
+
+
+def _walls(bottle: Bottle, detail: float) -> Mesh:
+    """Return outer and inner wall as one mesh."""
     slices = divisions(96, detail, 8)
     outer = bottle.outline(divisions(96, detail, 16))
     shells = merge([lathe(outer, slices), lathe(_inset(outer)[::-1], slices)])
-    placed = transform(shells, translation(bottle.foot))
-    body = 0.10 * np.asarray(bottle.transmission) ** 2 * diffuse(normals_of(placed), WINDOW)
-    return with_radiance(placed, body + gloss(placed, camera, WINDOW, exponent=70, rim=0.5))
+    return transform(shells, translation(bottle.foot))
 
 
 def _inset(outline: Floats) -> Floats:
@@ -137,8 +151,8 @@ def _inset(outline: Floats) -> Floats:
     return np.asarray(np.maximum(inner, 0.0))
 
 
-def _cap(bottle: Bottle, camera: Camera, detail: float) -> Mesh:
-    """Return an opaque screw cap over the mouth, in a dark shade of the bottle's color."""
+def _cap(bottle: Bottle, detail: float) -> Mesh:
+    """Return an opaque screw cap over the mouth."""
     radius, top = bottle.radii[-1] / 1000 + WALL, bottle.heights[-1] / 1000
     side = smooth_curve(
         [(radius, top - 0.017), (radius, top), (radius, top)], divisions(8, detail, 2)
@@ -148,58 +162,17 @@ def _cap(bottle: Bottle, camera: Camera, detail: float) -> Mesh:
         divisions(16, detail, 6),
     )
     slices = divisions(64, detail, 8)
-    cap = transform(merge([lathe(side, slices), lathe(lid, slices)]), translation(bottle.foot))
-    paint = 0.75 * np.asarray(bottle.transmission) ** 3 + 0.1
-    shade = paint * diffuse(normals_of(cap), WINDOW) + 0.5 * gloss(cap, camera, WINDOW, 40, 0.3)
-    return with_radiance(cap, shade)
+    return transform(merge([lathe(side, slices), lathe(lid, slices)]), translation(bottle.foot))
 
 
 def _table(detail: float) -> Mesh:
-    """Return a sheet that lies as the table and bends up into the backdrop, with baked shadows."""
-    columns, rows = divisions(150, detail, 24), divisions(180, detail, 28)
-    # Rows and columns crowd where the shadows fall.
-    flat = grid((0, 0, 0), (1, 0, 0), (0, 1, 0), columns, rows).positions.astype(np.float64)
-    across = 0.35 * flat[:, 0] + 1.65 * flat[:, 0] ** 5
-    along = np.interp(flat[:, 1], [-1, -0.75, 0.4, 1], [-0.6, -0.28, 0.3, 2.4])
-    path = smooth_curve([(0.6, 0), (-0.45, 0), (-0.95, 0), (-0.95, 0.6), (-0.95, 1.8)], 400)
-    reach = np.linspace(-0.6, 2.4, len(path))
-    sheet = grid((0, 0, 0), (1, 0, 0), (0, 0, -1), columns, rows)
-    z, y = (np.interp(along, reach, column) for column in path.T)
-    positions = np.stack([across, y, z], axis=1)
-    slope = np.gradient(path, axis=0)
-    normal_y, normal_z = (np.interp(along, reach, column) for column in (-slope[:, 0], slope[:, 1]))
-    normals = np.stack([np.zeros_like(y), normal_y, normal_z], axis=1)
+    """Return a sheet that lies as the table and bends up into the backdrop."""
+    corners = [(0.6, 0), (-0.45, 0), (-0.95, 0), (-0.95, 0.6), (-0.95, 1.8)]
+    path = smooth_curve(corners, divisions(96, detail, 12))
+    z, y = np.repeat(path, 2, axis=0).T
+    sheet = grid((0, 0, 0), (TABLE_WIDTH / 2, 0, 0), (0, 0, -1), 1, len(path) - 1)
+    positions = np.stack([sheet.positions[:, 0], y, z], axis=1)
+    slope = np.repeat(np.gradient(path, axis=0), 2, axis=0)
+    normals = np.stack([np.zeros(len(slope)), -slope[:, 0], slope[:, 1]], axis=1)
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
-    mesh = Mesh(positions.astype(np.float32), sheet.triangles, normals=normals.astype(np.float32))
-    return with_radiance(mesh, _table_radiance(positions, normals))
-
-
-def _table_radiance(positions: Floats, normals: Floats) -> Floats:
-    """Return warm paper below and a cool gradient above, under the bottles' colored shadows."""
-    lit, openness = np.ones((2, len(positions), 3))
-    near = np.flatnonzero((np.abs(positions[:, 0]) < 0.4) & (np.abs(positions[:, 2]) < 0.4))
-    ground = positions[near]
-    directions = cone(LAMP.direction, LAMP_SPREAD, 16)
-    arriving = np.zeros((len(near), 3))
-    for direction in directions:
-        passed = np.ones((len(near), 3))
-        for bottle in BOTTLES:
-            passed *= _transmitted(bottle, ground, direction)
-        arriving += passed / len(directions)
-    lit[near] = arriving
-    for bottle in BOTTLES:
-        gap = np.hypot(ground[:, 0] - bottle.foot[0], ground[:, 2] - bottle.foot[2])
-        gap -= bottle.radii[1] / 1000
-        openness[near] *= 1 - 0.5 * np.exp(-np.maximum(gap, 0) / 0.018)[:, None]
-    height = np.clip((positions[:, 1] - 0.02) / 0.75, 0, 1)
-    paper = tint(height, [(0.88, 0.84, 0.78), (0.70, 0.80, 0.86), (0.42, 0.60, 0.76)])
-    distance = np.hypot(positions[:, 0] + 0.05, 0.7 * (positions[:, 2] - 0.05))
-    falloff = 0.72 + 0.28 / (1 + (distance / 0.55) ** 2)
-    return paper * falloff[:, None] * diffuse(normals, LAMP, lit, openness)
-
-
-def _transmitted(bottle: Bottle, points: Floats, direction: Floats) -> Floats:
-    """Return what the lamp's light keeps, shape (n, 3): four walls, thinner where it grazes."""
-    chord = revolved_chord(points, direction, bottle.outline(64), bottle.foot)
-    walls = 4 * np.clip(chord / 0.02, 0, 1)[:, None]
-    return np.asarray(np.asarray(bottle.transmission) ** walls)
+    return Mesh(positions.astype(np.float32), sheet.triangles, normals=normals.astype(np.float32))

@@ -37,7 +37,7 @@ SURROUNDINGS = ((-90.0, (0.08, 0.08, 0.08)), (0.0, (0.20, 0.20, 0.21)), (90.0, (
 
 def build(*, name: str, detail: float) -> Scene:
     """Return the floor, the balls in ascending order of index, and the knot."""
-    camera = Camera(position=(0.0, 2.7, 4.9), target=(0.05, 0.38, 0.12), fov_y=math.radians(37))
+    camera = Camera(position=(0.0, 3.9, 4.6), target=(0.07, 0.34, 0.1), fov_y=math.radians(33.5))
     paper = Material(albedo=(0.62, 0.62, 0.62), specular=0.0)
     objects = [Object("floor", quad((0, 0, 0), (30, 0, 0), (0, 0, -30)), paper, casts=False)]
     slices = divisions(96, detail, 12)
@@ -46,10 +46,10 @@ def build(*, name: str, detail: float) -> Scene:
         objects.append(Object(f"ball of index {index}", ball, _glass(index)))
     objects.append(Object("knot of index 1.5", _knot(detail), _glass(1.5)))
     spot = SpotLight(
-        position=(-0.7, 4.4, -2.4),
-        target=(0.1, 0.0, -0.4),
-        intensity=(78.0, 76.0, 72.0),
-        angle=math.radians(112),
+        position=(-0.7, 6.5, -3.2),
+        target=(0.1, 0.0, -0.8),
+        intensity=(150.0, 146.0, 138.0),
+        angle=math.radians(92),
     )
     return Scene(name, camera, tuple(objects), lights=(spot, gradient_sky(SURROUNDINGS)))
 

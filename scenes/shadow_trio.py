@@ -1,9 +1,9 @@
 """A cloud of particles and a tinted glass ball over a light floor: three kinds of shadow.
 
-Under `-translucent_shadows,-colored_shadows,-caustics` neither throws any shadow. Under `-caustics`
-the cloud's shadow is as deep as the cloud is thick, and the ball's is a disc of colored light.
-Under all effects called for, the ball gathers light in the middle of its shadow. The cloud shades
-itself, so that its lower part is darker. Figure 9 of McGuire & Mara 2017, "Phenomenological
+Under `-translucent_shadows,-colored_shadows,-caustics` whatever keeps back half of the light hides
+all of it: both throw black shadows. Under `-caustics` the cloud's shadow is as deep as the cloud is
+thick, and the ball's is a disc of colored light. Under all effects called for, the ball gathers
+light in the middle of its shadow. The cloud shades itself, so that its lower part is darker. Figure 9 of McGuire & Mara 2017, "Phenomenological
 Transparency".
 """
 
@@ -24,20 +24,20 @@ parameters = {
     "detail": Parameter(
         1.0, low=0.0, high=100.0, help="factor on particles and triangles; thickness stays the same"
     ),
-    "alpha": Parameter(0.16, low=0.0, high=1.0, help="coverage at a particle's middle at detail 1"),
+    "alpha": Parameter(0.7, low=0.0, high=1.0, help="coverage at a particle's middle at detail 1"),
     "seed": Parameter(1, low=0, help="seed of the particles"),
 }
 
-PARTICLES = 600
+PARTICLES = 110
 # Four lobes of the cloud, metres.
 LOBES: tuple[RGB, ...] = (
     (-1.30, 1.15, 0.02), (-0.95, 1.28, -0.06), (-0.62, 1.17, 0.04), (-0.92, 1.08, 0.08),
 )  # fmt: skip
 LOBE_RADII = (0.34, 0.42, 0.34, 0.40)
-PARTICLE_RADII = (0.12, 0.22)
+PARTICLE_RADII = (0.14, 0.24)
 BALL: RGB = (0.95, 1.02, 0.0)
 RADIUS = 0.52
-GLASS: RGB = (0.62, 0.80, 0.90)  # transmission of one wall of the ball
+GLASS: RGB = (0.34, 0.48, 0.60)  # transmission of one wall of the ball
 SUNWARD: RGB = (-0.22, 1.0, -0.32)
 SUN: RGB = (3.4, 3.3, 3.1)  # irradiance
 SURROUNDINGS = ((-90.0, (0.10, 0.10, 0.10)), (0.0, (0.16, 0.17, 0.18)), (90.0, (0.10, 0.13, 0.18)))

@@ -35,33 +35,31 @@ parameters = {
     "detail": Parameter(
         1.0, low=0.0, high=100.0, help="factor on particles and triangles; thickness stays the same"
     ),
-    "alpha": Parameter(
-        0.045, low=0.0, high=1.0, help="coverage at a particle's middle at detail 1"
-    ),
+    "alpha": Parameter(0.03, low=0.0, high=1.0, help="coverage at a particle's middle at detail 1"),
     "seed": Parameter(1, low=0, help="seed of the particles"),
 }
 
 PARTICLES = 2000
 # Banks of smoke (x, y, z, half length), metres, and how flat they are.
 BANKS = (
-    (-2.0, 0.75, -0.6, 1.9), (-0.4, 1.55, 0.7, 1.7), (1.5, 0.85, -0.4, 1.9),
-    (0.4, 0.45, 1.3, 1.7), (-1.2, 2.25, -1.6, 1.8), (1.9, 2.15, -1.2, 1.8), (0.2, 1.2, -2.6, 2.2),
+    (-2.3, 0.8, -0.6, 1.6), (-0.5, 1.5, 0.6, 1.3), (1.7, 0.7, -0.3, 1.5),
+    (0.4, 0.4, 1.2, 1.3), (-1.3, 2.4, -1.6, 1.6), (2.2, 2.2, -1.4, 1.5), (0.2, 1.3, -2.8, 2.4),
 )  # fmt: skip
 FLATNESS: RGB = (1.0, 0.45, 0.7)
 PARTICLE_RADII = (0.42, 0.72)
 SINK = 0.02  # metres that wood reaches into the ground, so that no two surfaces coincide
 GAP = 0.002  # metres between glass and what it stands on
 SUNWARD: RGB = (-0.55, 1.0, 0.35)
-SUN: RGB = (4.2, 3.9, 3.4)  # irradiance
+SUN: RGB = (6.4, 5.9, 5.0)  # irradiance
 SURROUNDINGS = (
-    (-90.0, (0.16, 0.15, 0.14)),
-    (-3.0, (0.30, 0.30, 0.30)),
-    (3.0, (0.52, 0.57, 0.62)),
-    (90.0, (0.22, 0.30, 0.42)),
+    (-90.0, (0.08, 0.08, 0.08)),
+    (-3.0, (0.16, 0.17, 0.18)),
+    (3.0, (0.22, 0.27, 0.33)),
+    (90.0, (0.10, 0.15, 0.24)),
 )
 WOOD = Material(albedo=(0.42, 0.25, 0.13), specular=0.0)
-PAINT = Material(albedo=(0.55, 0.53, 0.48), specular=0.0)
-EARTH = Material(albedo=(0.36, 0.34, 0.30), specular=0.0)
+PAINT = Material(albedo=(0.10, 0.11, 0.13), specular=0.0)
+EARTH = Material(albedo=(0.17, 0.16, 0.14), specular=0.0)
 # Middle and half width of the standing panes, their turn round the vertical, their transmission.
 PANES: tuple[tuple[str, RGB, float, float, RGB], ...] = (
     ("red pane", (-1.15, 0.72, 0.95), 0.42, 24.0, (0.90, 0.22, 0.16)),
