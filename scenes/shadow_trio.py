@@ -3,8 +3,8 @@
 Under `-translucent_shadows,-colored_shadows,-caustics` whatever keeps back half of the light hides
 all of it: both throw black shadows. Under `-caustics` the cloud's shadow is as deep as the cloud is
 thick, and the ball's is a disc of colored light. Under all effects called for, the ball gathers
-light in the middle of its shadow. The cloud shades itself, so that its lower part is darker. Figure 9 of McGuire & Mara 2017, "Phenomenological
-Transparency".
+light in the middle of its shadow. The cloud shades itself, so that its lower part is darker.
+Figure 9 of McGuire & Mara 2017, "Phenomenological Transparency".
 """
 
 from __future__ import annotations
