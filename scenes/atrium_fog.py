@@ -33,10 +33,10 @@ FIRST_BANNER = 2  # the first pier from the camera that has banners
 TILE = 1.2
 
 AMBIENT: RGB = (0.82, 0.86, 0.92)
-FOG_ALBEDO: RGB = (0.80, 0.80, 0.80)
+FOG_ALBEDO: RGB = (0.62, 0.62, 0.62)
 OCCLUSION = 2.5  # metres
 SANDSTONE = Material(albedo=(0.56, 0.46, 0.34))
-MARBLE = Material(albedo=(0.72, 0.68, 0.62))
+MARBLE = Material(albedo=(0.64, 0.60, 0.54))
 PLASTER = Material(albedo=(0.40, 0.24, 0.17))
 LIGHT_TILES = Material(albedo=(0.52, 0.48, 0.42))
 DARK_TILES = Material(albedo=(0.10, 0.10, 0.12))

@@ -25,22 +25,23 @@ Floats = npt.NDArray[np.float64]
 
 parameters = {
     "detail": Parameter(1.0, low=0.0, high=100.0, help="factor on the triangles of a surface"),
-    "extinction": Parameter(0.12, low=0.0, high=10.0, help="of the thickest fog, per metre"),
+    "extinction": Parameter(0.15, low=0.0, high=10.0, help="of the thickest fog, per metre"),
 }
 
-# Metres. The hall reaches from z = NEAR to FAR; its windows are in the wall at x = HALF.
+# Metres. The hall reaches from z = NEAR to FAR; its windows are in the walls at x = HALF and FAR.
 HALF, HEIGHT, NEAR, BAY, BAYS = 4.0, 6.2, 3.0, 3.0, 5
 FAR = NEAR - BAY * BAYS
 WALL = 0.5
 OPENING, SILL, SPRING = 1.3, 1.1, 4.3
+END_WINDOWS = (-HALF / 2, HALF / 2)
 BAR = 0.05
 STAINED_BAY = 2
 PANES: dict[str, tuple[RGB, float, float]] = {
-    "blue glass": ((0.08, 0.22, 0.90), 1.1, 2.35),
-    "gold glass": ((0.95, 0.62, 0.08), 2.35, 3.6),
-    "red glass": ((0.90, 0.08, 0.06), 3.6, 4.95),
+    "blue glass": ((0.02, 0.14, 0.92), 1.1, 2.35),
+    "gold glass": ((0.95, 0.52, 0.02), 2.35, 3.6),
+    "red glass": ((0.92, 0.02, 0.02), 3.6, 4.95),
 }
-SUN = DirectionalLight(direction=(-0.68, -0.46, 0.55), irradiance=(17.0, 14.8, 11.5))
+SUN = DirectionalLight(direction=(-0.68, -0.46, 0.55), irradiance=(20.0, 17.4, 13.5))
 SKY: RGB = (0.018, 0.022, 0.030)
 STATUE: RGB = (0.6, 0.0, -4.8)
 PEDESTAL = 0.6
@@ -86,17 +87,21 @@ def _hall(detail: float) -> tuple[Object, ...]:
     cells = divisions(12, detail)
     floor = grid((0, 0, middle), (HALF, 0, 0), (0, 0, -half), cells, cells)
     blind = grid((-HALF, HEIGHT / 2, middle), (0, 0, -half), (0, HEIGHT / 2, 0), cells, cells)
-    bay = window_wall(BAY, HEIGHT, WALL, OPENING, SILL, SPRING, divisions(24, detail, 6))
+    segments = divisions(24, detail, 6)
+    bay = window_wall(BAY, HEIGHT, WALL, OPENING, SILL, SPRING, segments)
     turned = transform(bay, rotation((0, 1, 0), -math.pi / 2))
     places: list[RGB] = [(HALF + WALL / 2, 0, z) for z in _bays()]
-    roof = slab((-HALF, HEIGHT, FAR - 0.4), (HALF + WALL + 0.3, HEIGHT + 0.3, NEAR + 0.4))
-    end = slab((-HALF, 0, FAR - 0.4), (HALF + WALL, HEIGHT, FAR))
+    end = window_wall(HALF, HEIGHT, WALL, OPENING, SILL, SPRING, segments)
+    ends: list[RGB] = [(x, 0, FAR - WALL / 2) for x in END_WINDOWS]
+    corner = slab((HALF, 0, FAR - WALL), (HALF + WALL, HEIGHT, FAR))
+    roof = slab((-HALF, HEIGHT, FAR - WALL), (HALF + WALL, HEIGHT + 0.3, NEAR + WALL))
     return (
         Object("floor", floor, PAVING, casts=False),
         Object("blind wall", blind, STONE, casts=False),
         Object("window wall", repeated(turned, places), STONE),
+        Object("end wall", merge([repeated(end, ends), corner]), STONE),
         Object("window bars", _bars(), LEAD),
-        Object("roof and end", merge([roof, end]), STONE),
+        Object("roof", roof, STONE),
     )
 
 
@@ -106,7 +111,7 @@ def _bays() -> list[float]:
 
 
 def _bars() -> Mesh:
-    """Return an upright and three cross bars in each window."""
+    """Return an upright in each window, and three cross bars in those at the side."""
     x, top = HALF + WALL / 2, SPRING + OPENING / 2
     parts = []
     for z in _bays():
@@ -114,6 +119,9 @@ def _bars() -> Mesh:
         for height in (2.35, 3.6, 4.3):
             low = (x - 0.8 * BAR, height - BAR, z - OPENING / 2)
             parts.append(slab(low, (x + 0.8 * BAR, height + BAR, z + OPENING / 2)))
+    z = FAR - WALL / 2
+    for x in END_WINDOWS:
+        parts.append(slab((x - BAR, SILL, z - BAR), (x + BAR, top, z + BAR)))
     return merge(parts)
 
 

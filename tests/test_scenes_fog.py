@@ -269,10 +269,11 @@ def test_the_sun_comes_through_windows_and_nowhere_else() -> None:
         if len(met(casters, point, toward)):
             continue
         lit += 1
-        reach = (4.25 - point[0]) / toward[0]
-        _, y, z = point + reach * toward
+        side, end = ((4.25 - point[0]) / toward[0], (-12.25 - point[2]) / toward[2])
+        x, y, z = point + min(side, end) * toward
         assert 1.1 < y < 4.95
-        assert np.abs((z + 12) % 3 - 1.5) < 0.65
+        across = (z + 12) % 3 - 1.5 if side < end else x % 4 - 2
+        assert np.abs(across) < 0.65
     assert 0.03 < lit / 300 < 0.4
 
 
