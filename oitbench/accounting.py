@@ -92,9 +92,10 @@ def traffic(frame: Frame, records: list[PassRecord]) -> list[Term]:
 def shading(frame: Frame) -> dict[str, Any]:
     """Return memory and traffic of the stages that shade, and so are the same for every method.
 
-    These are the shadow maps and what filters them; `frame` must have been measured.
+    These are the shadow maps, ambient occlusion and what filters both; `frame` must have been
+    measured.
     """
-    maps = [] if frame.lighting is None else frame.lighting.memory()
+    maps = [entry for stage in frame.shading for entry in stage.memory()]
     terms = [Term(*moved) for moved in frame.shading_moved if moved[3]]
     return {
         "memory": {

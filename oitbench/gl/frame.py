@@ -13,7 +13,8 @@ from oitbench.effects import Effect
 from oitbench.errors import CapabilityError, DeclarationError, UsageError
 from oitbench.gl.device import Device
 from oitbench.gl.geometry import Geometry
-from oitbench.gl.lighting import lighting_of
+from oitbench.gl.lighting import Lighting, lighting_of
+from oitbench.gl.occlusion import Occlusion, occlusion_of
 from oitbench.gl.opaque import DEPTH, count_fragments, draw_opaque
 from oitbench.gl.passes import Blueprint, attach, compile_pass
 from oitbench.gl.prelude import TILE, bind
@@ -64,6 +65,8 @@ class Frame:
         How programmable blending is done; None for a method that needs none.
     lighting : Lighting or None
         None for a scene that is lit by emission alone.
+    occlusion : Occlusion or None
+        None unless ambient occlusion runs.
     shading_records, shading_moved : list
         What the stages that all methods share did in the last measured frame, and the bytes that
         they moved.
@@ -94,7 +97,7 @@ class Frame:
         self.device, self.geometry, self.method, self.size = device, geometry, method, size
         self.effects, self.samples = effects, method.samples
         self.mechanism = self._mechanism(mechanism)
-        self.complexity = count_fragments(device, geometry, size)
+        self.complexity = count_fragments(device, geometry, size, effects)
         self._check_depth()
         spared = unneeded(method.passes, geometry.present)
         targets = {
@@ -130,9 +133,10 @@ class Frame:
         if self.samples > 1 and any(target.single for target in targets.values()):
             self.textures["opaque_depth_single"] = device.texture(size, DEPTH.texel)
         self.lighting = lighting_of(device, geometry, effects)
+        self.occlusion = occlusion_of(device, geometry, size, effects)
         self._blueprint = Blueprint(
             device, geometry, method, folder_of(type(method)), effects, self.declared, buffers,
-            bindings, self.samples, self.mechanism or "", self.lighting,
+            bindings, self.samples, self.mechanism or "", self.lighting, self.occlusion,
         )  # fmt: skip
         absent = {*method.targets, *method.buffers} - {*targets, *buffers, "color"}
         left = [running(step, effects, absent, geometry.present) for step in method.passes]
@@ -239,13 +243,13 @@ class Frame:
         permutation : int, optional
             Seed that shuffles the draws.
         """
-        if self.lighting is not None:
-            self.lighting.prepare()
+        for stage in self.shading:
+            stage.prepare()
         if self._transmittance is not transmittance:
             behind = (self.textures["opaque_color"], self.textures["opaque_depth"])
             draw_opaque(
                 self.device, self.geometry, self._view, behind, self.declared["color"],
-                self.samples, transmittance, self.lighting, self.effects,
+                self.samples, transmittance, self.lighting, self.effects, self.occlusion,
             )  # fmt: skip
             if "opaque_depth_copy" in self.textures:
                 copied = self.textures["opaque_depth_copy"]
@@ -271,8 +275,9 @@ class Frame:
         color = self.device.texture(self.size, self.declared["color"].texel)
         behind = (color, self.textures["opaque_depth_single"])
         draw_opaque(
-            self.device, self.geometry, self._view, behind, self.declared["color"], 1, False
-        )
+            self.device, self.geometry, self._view, behind, self.declared["color"], 1, False,
+            effects=self.effects,
+        )  # fmt: skip
         color.release()
 
     def issue(
@@ -287,16 +292,13 @@ class Frame:
         check : bool
             Read back the allocators; a frame that is timed has been checked before.
         lit : bool
-            Draw the shadow maps too; they stay the same from frame to frame.
+            Draw the stages of shading too; they stay the same from frame to frame.
         """
         context, resources = self.device.context, self.resources
         resources.take_counts()
         resources.asked = 0
-        if lit and self.lighting is not None:
-            if records is None:
-                self.lighting.issue()
-            else:
-                self.shading_records, self.shading_moved = self.lighting.measure()
+        if lit:
+            self._shade(records is not None)
         # The scissor of the last region still stands, and would clip the copy.
         self._framebuffers["color"].use()
         self._framebuffers["color"].scissor = (0, 0, *self.size)
@@ -322,6 +324,23 @@ class Frame:
                 known = resources.asked if resources.listed else int(self.complexity.sum())
                 record.fragments = known * record.runs if not resources.listed else known
         return missing
+
+    def _shade(self, measured: bool) -> None:
+        """Issue what all methods share."""
+        if measured:
+            self.shading_records, self.shading_moved = [], []
+        for stage in self.shading:
+            if measured:
+                records, moved = stage.measure()
+                self.shading_records += records
+                self.shading_moved += moved
+            else:
+                stage.issue()
+
+    @property
+    def shading(self) -> tuple[Lighting | Occlusion, ...]:
+        """The stages that all methods share, in order."""
+        return tuple(s for s in (self.lighting, self.occlusion) if s is not None)
 
     def image(self) -> Image:
         """Read the frame's color: [h, w, 3], linear, top row first; samples are averaged."""
@@ -358,6 +377,8 @@ class Frame:
             self.textures[name].release()
         for view in self._views.values():
             view.release()
+        if self.occlusion is not None:
+            self.occlusion.release()
         self.resources.release()
 
 

@@ -96,13 +96,16 @@ class Geometry:
     opaque, transparent : Batch
     casting : Batch
         What is transparent and casts shadows.
+    foliage : Batch
+        What is transparent and of binary coverage.
     batches : dict of Objects to Batch
         What is transparent, by what a pass asks for.
     vertices : moderngl.Buffer
     textures : dict of str to moderngl.TextureArray or moderngl.Texture
         Samplers of the surface shader by name.
-    complexities : dict of (width, height) to array
-        Fragments a pixel at the frame sizes that were counted.
+    complexities : dict of (width, height), bool to array
+        Fragments a pixel at the frame sizes that were counted, without and with those of binary
+        coverage that are opaque under ambient occlusion.
     lightings : dict of Effect to Lighting
         The shadow maps that were drawn, by the effects of shading that ran.
     """
@@ -114,7 +117,7 @@ class Geometry:
         self.textures: dict[str, moderngl.TextureArray | moderngl.Texture] = {}
         self.layers: dict[int, int] = {}
         self._storeys = 1
-        self.complexities: dict[tuple[int, int], npt.NDArray[np.int64]] = {}
+        self.complexities: dict[tuple[tuple[int, int], bool], npt.NDArray[np.int64]] = {}
         self.lightings: dict[Effect, Lighting] = {}
         if scene.lists is not None:
             self._upload_lists(device, scene.lists)
@@ -130,6 +133,7 @@ class Geometry:
             else self._batch(scene.transparent, parts)
         )
         self.casting = self._part(scene.transparent, lambda item: item.casts)
+        self.foliage = self._part(scene.transparent, lambda item: item.material.binary_coverage)
         particles = self._part(scene.transparent, lambda item: item.particles)
         others = self._part(scene.transparent, lambda item: not item.particles)
         self.batches = {

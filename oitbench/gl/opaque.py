@@ -14,11 +14,13 @@ from oitbench.effects import Effect
 from oitbench.gl.device import Device
 from oitbench.gl.geometry import Batch, Geometry
 from oitbench.gl.lighting import Lighting
+from oitbench.gl.occlusion import Occlusion, occludes
 from oitbench.gl.passes import Blueprint, compile_pass
 from oitbench.gl.prelude import bind
 from oitbench.gl.view import view_block
 
-_OPAQUE = Pass("opaque.glsl", Draws.FRAGMENTS, writes={"color": REPLACE})
+_OPAQUE = Pass("opaque.glsl", Draws.FRAGMENTS, writes={"color": REPLACE}, defines={"OPAQUE": 1})
+_INTERIOR = replace(_OPAQUE, defines={"OPAQUE": 1, "INTERIOR": 1})
 _COUNT = Pass("count.glsl", Draws.FRAGMENTS, writes={"count": ADD})
 _BACKGROUND = Pass(
     "background.glsl", Draws.PIXELS, reads=("opaque_depth",), writes={"color": REPLACE}
@@ -36,8 +38,12 @@ def draw_opaque(
     transmittance: bool,
     lighting: Lighting | None = None,
     effects: Effect = Effect.NONE,
+    occlusion: Occlusion | None = None,
 ) -> None:
     """Render what lies behind all transparency, and fill the uniform block for `view`.
+
+    Under ambient occlusion that includes what binary coverage covers whole. Passes over transparent
+    fragments test their depth against it, and so meet none of those again.
 
     Parameters
     ----------
@@ -56,6 +62,8 @@ def draw_opaque(
         What shades; without it nothing is lit.
     effects : Effect
         Those that run.
+    occlusion : Occlusion, optional
+        What hides the environment from surfaces; without it nothing does.
     """
     scene, size = geometry.scene, textures[0].size
     view.write(view_block(scene.camera, size, transmittance))
@@ -69,9 +77,12 @@ def draw_opaque(
     names = {"color": textures[0], "opaque_depth": textures[1]}
     declared = {"color": color, "opaque_depth": DEPTH}
     blueprint = replace(
-        _blueprint(device, geometry, declared, samples), lighting=lighting, effects=effects
-    )
+        _blueprint(device, geometry, declared, samples),
+        lighting=lighting, effects=effects, occlusion=occlusion,
+    )  # fmt: skip
     _draw(blueprint, _OPAQUE, names, geometry.opaque, view, depth_writes=True)
+    if occludes(scene, effects):
+        _draw(blueprint, _INTERIOR, names, geometry.foliage, view, depth_writes=True)
     if scene.environment is not None and lighting is not None and not transmittance:
         background_pass = compile_pass(blueprint, _BACKGROUND, names)
         background_pass.begin(view, (0, 0, *size))
@@ -80,20 +91,22 @@ def draw_opaque(
 
 
 def count_fragments(
-    device: Device, geometry: Geometry, size: tuple[int, int]
+    device: Device, geometry: Geometry, size: tuple[int, int], effects: Effect = Effect.NONE
 ) -> npt.NDArray[np.int64]:
     """Return the number of visible transparent fragments a pixel, shape (h, w), bottom row first.
 
-    One sample a pixel is taken, at its center. The geometry remembers the counts.
+    One sample a pixel is taken, at its center. The geometry remembers the counts. `effects` are
+    those that run: ambient occlusion makes some fragments opaque.
     """
-    known = geometry.complexities.get(size)
+    key = (size, occludes(geometry.scene, effects))
+    known = geometry.complexities.get(key)
     if known is not None:
         return known
     color = device.texture(size, _COLOR.texel)
     depth = device.texture(size, DEPTH.texel)
     count = device.texture(size, _COUNTED.texel)
     view = device.context.buffer(view_block(geometry.scene.camera, size, False))
-    draw_opaque(device, geometry, view, (color, depth), _COLOR, 1, False)
+    draw_opaque(device, geometry, view, (color, depth), _COLOR, 1, False, effects=effects)
     framebuffer = device.context.framebuffer([count])
     framebuffer.use()
     framebuffer.scissor = (0, 0, *size)
@@ -105,8 +118,8 @@ def count_fragments(
     counts = np.frombuffer(count.read(), dtype=np.float32).reshape(size[::-1])
     for item in (color, depth, count, view):
         item.release()
-    geometry.complexities[size] = counts.astype(np.int64)
-    return geometry.complexities[size]
+    geometry.complexities[key] = counts.astype(np.int64)
+    return geometry.complexities[key]
 
 
 def _blueprint(

@@ -21,6 +21,7 @@ from oitbench.gl.source import Source
 
 if TYPE_CHECKING:
     from oitbench.gl.lighting import Lighting
+    from oitbench.gl.occlusion import Occlusion
 
 Sampled = moderngl.Texture | moderngl.TextureArray | moderngl.Texture3D
 
@@ -43,6 +44,8 @@ class Blueprint:
         How programmable blending is done.
     lighting : Lighting, optional
         What shades; without it nothing is lit.
+    occlusion : Occlusion, optional
+        What hides the environment from surfaces; without it nothing does.
     """
 
     device: Device
@@ -56,6 +59,7 @@ class Blueprint:
     samples: int = 1
     mechanism: str = prelude.FETCH
     lighting: Lighting | None = None
+    occlusion: Occlusion | None = None
 
 
 class CompiledPass:
@@ -185,6 +189,8 @@ def compile_pass(
         samplers.update(geometry.textures)
     if lighting is not None:
         samplers.update(lighting.textures)
+    if blueprint.occlusion is not None:
+        samplers.update(blueprint.occlusion.textures)
     used = {name: item for name, item in samplers.items() if name in program}
     for unit, name in enumerate(used):
         # A program is shared by frames, but its samplers always come in this order.
@@ -278,6 +284,8 @@ def _sources(blueprint: Blueprint, step: Pass) -> tuple[Source, Source]:
         fragment.add_text("prelude (scene)", geometry.macros)
         if detailed:
             fragment.add_file("shading.glsl")
+            if blueprint.occlusion is not None:
+                fragment.add_file("inferred_occlusion.glsl")
         fragment.add_file("fragment.glsl")
         fragment.add_file(step.shader)
         fragment.add_text("prelude (deliver)", prelude.deliver(step, mechanism))

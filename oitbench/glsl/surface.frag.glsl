@@ -27,6 +27,11 @@ vec4 filtered_texel(vec2 uv, float layer) {
 }
 #endif
 
+#ifdef INTERIOR
+// Binary coverage that, filtered, covers so much of a pixel is opaque there.
+const float WHOLE = 254.0 / 255.0;
+#endif
+
 #ifdef DETAILED
 // The unit normal on the viewer's side; that of the triangle where the mesh gives none.
 vec3 facing_normal(vec3 toward) {
@@ -37,8 +42,12 @@ vec3 facing_normal(vec3 toward) {
 }
 
 // What the surface does to light beyond covering, tinting and emitting.
-void add_reflection(inout Fragment fragment, vec3 normal, vec3 toward, float openness) {
+void add_reflection(inout Fragment fragment, vec3 normal, vec3 toward, vec2 gradient) {
     Surface surface = surface_at(int(v_material + 0.5));
+    float openness = 1.0;
+#ifdef OCCLUSION
+    openness = openness_of(surface, fragment.coverage, gradient, fragment.z);
+#endif
     fragment.normal = normal;
     fragment.incidence = dot(normal, toward);
     fragment.index = surface.index;
@@ -67,9 +76,12 @@ void main() {
     vec3 toward = normalize(eye.xyz - eye.w * v_position);
     vec3 normal = facing_normal(toward);
 #endif
+    vec2 gradient = vec2(0.0);   // of the coverage, a pixel
 #ifdef TEXTURED
     vec4 texel = filtered_texel(v_uv, max(v_layer, 0.0));
+    vec2 slope = vec2(dFdx(texel.a), dFdy(texel.a));
     if (v_layer >= 0.0) {
+        gradient = v_coverage * slope;
         if (texel.a <= 0.0) {
             discard;
         }
@@ -77,8 +89,13 @@ void main() {
         fragment.coverage *= texel.a;
     }
 #endif
+#ifdef INTERIOR
+    if (fragment.coverage < WHOLE) {
+        discard;
+    }
+#endif
 #ifdef DETAILED
-    add_reflection(fragment, normal, toward, 1.0);
+    add_reflection(fragment, normal, toward, gradient);
 #endif
     deliver(fragment);
 }
