@@ -141,7 +141,7 @@ def test_statistics_are_those_of_numpy() -> None:
     statistics = _Statistics()
     for sample in samples:
         statistics.add(sample)
-    estimate = statistics.estimate()
+    estimate = statistics.estimate(5)
     np.testing.assert_allclose(estimate.mean, samples.mean(axis=0), rtol=1e-6)
     np.testing.assert_allclose(estimate.variance, samples.var(axis=0, ddof=1) / 5, rtol=1e-5)
     np.testing.assert_allclose(estimate.halves[0], samples[::2].mean(axis=0), rtol=1e-6)

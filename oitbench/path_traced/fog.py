@@ -38,9 +38,9 @@ class Fog:
         """Upload `medium`."""
         extinction, density = medium.extinction, None
         if medium.density is not None:
-            largest = float(medium.density.max())
+            largest = max(float(medium.density.max()), 1e-30)
             extinction *= largest
-            cells = medium.density[..., None] / max(largest, np.finfo(np.float32).tiny)
+            cells = medium.density[..., None] / largest
             density = mitsuba.Texture3f(
                 mitsuba.TensorXf(cells.astype(np.float32)),
                 filter_mode=drjit.FilterMode.Linear,

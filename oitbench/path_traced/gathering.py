@@ -13,10 +13,12 @@ from typing import Any
 
 from oitbench.path_traced.fog import Fog
 from oitbench.path_traced.reflection import microfacets
-from oitbench.path_traced.surfaces import STEP, Hit, Line, Surfaces
+from oitbench.path_traced.surfaces import NOWHERE, STEP, Hit, Line, Surfaces
 from oitbench.path_traced.surroundings import Beam, Surroundings
 from oitbench.scene import Scene
 
+Bend = Callable[[Line, Hit, Any, Any, Any], tuple[Line, Any, Any, Any]]
+"""Crosses the boundary of a solid; see `walk`."""
 LEAST_SHARE = 0.1
 """Part of the mean radiance that a direction's weight counts at least, as solids may bend it."""
 MOST_TURNS = 200
@@ -25,7 +27,7 @@ MOST_TURNS = 200
 
 @dataclass
 class Choice:
-    """Of all places and lights that a path offered, the one that was chosen.
+    """Of all places from which a path could look for light, the one that was chosen.
 
     Parameters
     ----------
@@ -34,11 +36,7 @@ class Choice:
     limit : Float
         Metres to the light.
     value : Color3f
-        What arrives without shadow, over the weight; for the surroundings without their radiance.
-    around : Bool
-        Whether it is the surroundings.
-    inside : Bool
-        Whether the place is in no solid: always but for paths that begin behind a back face.
+        What arrives without shadow, over its weight; for the surroundings without their radiance.
     total : Float
         Sum of all weights.
     """
@@ -46,8 +44,18 @@ class Choice:
     line: Line
     limit: Any
     value: Any
-    around: Any
     total: Any
+
+
+@dataclass
+class Choices:
+    """What was chosen for beams, and for the surroundings; None where there is no such light.
+
+    Shadows make some weights wrong, and these lights throw theirs apart: each has its own choice.
+    """
+
+    beam: Choice | None
+    around: Choice | None
 
 
 class Gathering:
@@ -66,12 +74,17 @@ class Gathering:
         self._surfaces, self._around, self._fog = surfaces, around, fog
         self._beams = [Beam(mitsuba, drjit, light) for light in scene.beams]
 
-    def nothing(self) -> Choice:
-        """Return a choice of nothing."""
+    def nothing(self) -> Choices:
+        """Return choices of nothing."""
+        diffuse = self._around.lights and "albedo" in self._surfaces.has
+        beam, around = bool(self._beams), diffuse
+        return Choices(self._empty() if beam else None, self._empty() if around else None)
+
+    def _empty(self) -> Choice:
         mitsuba, drjit = self._mitsuba, self._drjit
         zero, color = mitsuba.Float(0), mitsuba.Color3f(0)
         line = Line(mitsuba.Point3f(0), mitsuba.Vector3f(0, 0, 1), zero, mitsuba.UInt32(0))
-        return Choice(line, mitsuba.Float(drjit.inf), color, mitsuba.Bool(False), zero)
+        return Choice(line, mitsuba.Float(drjit.inf), color, zero)
 
     def light_at(self, line: Line, hit: Hit, active: Any) -> Any:
         """Return α·L that the beams cause at `hit`; nothing in the way may be random."""
@@ -86,53 +99,63 @@ class Gathering:
         return total
 
     def offer(
-        self, choice: Choice, line: Line, hit: Hit, through: Any, rng: Any, active: Any
-    ) -> tuple[Choice, Any]:
+        self, choices: Choices, line: Line, hit: Hit, through: Any, rng: Any, active: Any
+    ) -> tuple[Choices, Any]:
         """Offer what each light causes at `hit`."""
-        mitsuba, drjit, layer = self._mitsuba, self._drjit, hit.layer
+        drjit, layer = self._drjit, hit.layer
         active = active & (hit.outside | ~layer.refracts)
-        for beam in self._beams:
-            toward, distance, arriving = beam.toward(hit.si.p)
+        beam, around = choices.beam, choices.around
+        for light in self._beams:
+            toward, distance, arriving = light.toward(hit.si.p)
             value = through * self._scattering(line, hit, toward) * arriving
-            leaving = self._leaving(hit, toward)
-            offered = Choice(leaving, distance, value, mitsuba.Bool(False), drjit.mean(value))
-            choice, rng = self._weigh(choice, offered, rng, active)
-        if not self._around.lights or "albedo" not in self._surfaces.has:
-            return choice, rng
-        frame = mitsuba.Frame3f(hit.n)
+            offered = Choice(self._leaving(hit, toward), distance, value, drjit.mean(value))
+            beam, rng = self._weigh(beam, offered, rng, active)
+        if around is not None:
+            offered, rng = self._toward_surroundings(hit, through, rng, active)
+            around, rng = self._weigh(around, offered, rng, active)
+        return Choices(beam, around), rng
+
+    def _toward_surroundings(
+        self, hit: Hit, through: Any, rng: Any, active: Any
+    ) -> tuple[Choice, Any]:
+        """Return the offer of one direction to look for the surroundings in."""
+        mitsuba, drjit, layer = self._mitsuba, self._drjit, hit.layer
 
         def density(d: Any) -> Any:
-            return drjit.select(
-                layer.isotropic,
-                1 / (4 * drjit.pi),
-                drjit.maximum(drjit.dot(hit.n, d), 0) / drjit.pi,
-            )
+            lambert = drjit.maximum(drjit.dot(hit.n, d), 0) / drjit.pi
+            return drjit.select(layer.isotropic, 1 / (4 * drjit.pi), lambert)
 
         two = mitsuba.Point2f(rng.next_float32(active), rng.next_float32(active))
         own = drjit.select(
             layer.isotropic,
             mitsuba.warp.square_to_uniform_sphere(two),
-            frame.to_world(mitsuba.warp.square_to_cosine_hemisphere(two)),
+            mitsuba.Frame3f(hit.n).to_world(mitsuba.warp.square_to_cosine_hemisphere(two)),
         )
-        d, chance = self._around.choose(hit.si, own, density, rng.next_float32(active), two)
+        one = rng.next_float32(active)
+        d, chance = self._around.choose(hit.si, own, density, one, two)
         factor = through * layer.coverage * layer.albedo * (density(d) / chance)
-        offered = self._toward_surroundings(self._leaving(hit, d), factor)
-        return self._weigh(choice, offered, rng, active)
+        floor = mitsuba.Color3f(*[LEAST_SHARE * part for part in self._around.mean])
+        weight = drjit.mean(factor * (self._around.radiance(d) + floor))
+        infinite = mitsuba.Float(drjit.inf)
+        return Choice(self._leaving(hit, d), infinite, mitsuba.Color3f(factor), weight), rng
 
     def offer_in_fog(
-        self, choice: Choice, p: Any, forward: Any, through: Any, rng: Any, active: Any
-    ) -> tuple[Choice, Any]:
-        """Offer what each light causes at a collision at `p` of a path that goes `forward`."""
+        self, choices: Choices, p: Any, forward: Any, through: Any, rng: Any, active: Any
+    ) -> tuple[Choices, Any]:
+        """Offer what each beam causes at a collision at `p` of a path that goes `forward`.
+
+        The surroundings are met by the path itself, where it leaves the medium.
+        """
         mitsuba, drjit, fog = self._mitsuba, self._drjit, self._fog
         assert fog is not None
-        nowhere = mitsuba.UInt32(0xFFFFFFFF)
-        for beam in self._beams:
-            toward, distance, arriving = beam.toward(p)
+        beam = choices.beam
+        for light in self._beams:
+            toward, distance, arriving = light.toward(p)
             value = through * fog.phase(drjit.dot(toward, forward)) * arriving
-            leaving = Line(p, toward, mitsuba.Float(0), nowhere)
-            offered = Choice(leaving, distance, value, mitsuba.Bool(False), drjit.mean(value))
-            choice, rng = self._weigh(choice, offered, rng, active)
-        return choice, rng
+            leaving = Line(p, toward, mitsuba.Float(0), mitsuba.UInt32(NOWHERE))
+            offered = Choice(leaving, distance, value, drjit.mean(value))
+            beam, rng = self._weigh(beam, offered, rng, active)
+        return Choices(beam, choices.around), rng
 
     def _scattering(self, line: Line, hit: Hit, toward: Any) -> Any:
         """Return α times what the surface turns to the eye of the light from `toward`, sr⁻¹."""
@@ -149,32 +172,20 @@ class Gathering:
         start = STEP * drjit.max(drjit.abs(hit.si.p))
         return Line(mitsuba.Point3f(hit.si.p), mitsuba.Vector3f(toward), start, hit.face)
 
-    def _toward_surroundings(self, line: Line, factor: Any) -> Choice:
-        mitsuba, drjit = self._mitsuba, self._drjit
-        floor = mitsuba.Color3f(*[LEAST_SHARE * part for part in self._around.mean])
-        weight = drjit.mean(factor * (self._around.radiance(line.d) + floor))
-        infinite = mitsuba.Float(drjit.inf)
-        return Choice(line, infinite, mitsuba.Color3f(factor), mitsuba.Bool(True), weight)
-
-    def _weigh(self, choice: Choice, offered: Choice, rng: Any, active: Any) -> tuple[Choice, Any]:
+    def _weigh(
+        self, choice: Choice | None, offered: Choice, rng: Any, active: Any
+    ) -> tuple[Choice, Any]:
         """Replace `choice` with a probability of the new one's weight in the sum of all."""
         drjit, mitsuba = self._drjit, self._mitsuba
+        assert choice is not None
         active = active & (offered.total > 0)
         total = choice.total + drjit.select(active, offered.total, 0)
         taken = active & (rng.next_float32(active) * total < offered.total)
-        value = offered.value / offered.total
-        old, new = choice.line, offered.line
-        line = Line(
-            drjit.select(taken, new.o, old.o),
-            drjit.select(taken, new.d, old.d),
-            drjit.select(taken, new.along, old.along),
-            drjit.select(taken, new.known, old.known),
-        )
+        value = mitsuba.Color3f(offered.value / offered.total)
         chosen = Choice(
-            line,
+            offered.line.where(drjit, taken, choice.line),
             drjit.select(taken, offered.limit, choice.limit),
-            drjit.select(taken, mitsuba.Color3f(value), choice.value),
-            drjit.select(taken, offered.around, choice.around),
+            drjit.select(taken, value, choice.value),
             total,
         )
         return chosen, rng
@@ -198,57 +209,59 @@ class Gathering:
         passing = self._drjit.select(layer.refracts, 0, layer.passing)
         return 1 - layer.coverage + layer.coverage * passing
 
-    def chosen_light(self, choice: Choice, rng: Any, bend: Callable[..., Any]) -> Any:
-        """Return the light of the place and light that were chosen, in all that is in the way."""
+    def chosen_light(self, choices: Choices, rng: Any, bend: Bend) -> Any:
+        """Return the light at the places that were chosen, with all that is in the way."""
+        found = self._mitsuba.Color3f(0)
+        if choices.beam is not None:
+            light, rng = self._beam_light(choices.beam, rng)
+            found += light
+        if choices.around is not None:
+            found += self._surrounding_light(choices.around, rng, bend)
+        return found
+
+    def _beam_light(self, choice: Choice, rng: Any) -> tuple[Any, Any]:
+        line, lit = choice.line, choice.total > 0
+        light = choice.value * choice.total * self._straight(line, choice.limit, lit)
+        if self._fog is not None:
+            o, d, start, end = line.o, line.d, line.along, choice.limit
+            part, rng = self._fog.transmittance(o, d, start, end, rng, lit)
+            light *= part
+        return self._drjit.select(lit, light, 0), rng
+
+    def _surrounding_light(self, choice: Choice, rng: Any, bend: Bend) -> Any:
         mitsuba, drjit, fog = self._mitsuba, self._drjit, self._fog
-        around = choice.around
-        active = choice.total > 0
-        through, zero = mitsuba.Color3f(1), mitsuba.Float(0)
-        if fog is not None:
-            line = choice.line
-            part, rng = fog.transmittance(
-                line.o, line.d, line.along, choice.limit, rng, active & ~around
-            )
-            through = through * drjit.select(around, 1, part)
-        bends = "refracts" in self._surfaces.has and self._around.lights
+        bends = "refracts" in self._surfaces.has
 
         def step(
             line: Line, through: Any, since: Any, turns: Any, rng: Any, active: Any
         ) -> tuple[Any, ...]:
-            hit = self._surfaces.meet(line, active, choice.limit)
-            here = active
+            hit, start = self._surfaces.meet(line, active), line
+            collides = mitsuba.Bool(False)
             if fog is not None:
-                at, rng = fog.free_path(line.o, line.d, line.along, hit.at, rng, active & around)
-                collides = active & around & (at < drjit.inf)
-                here = active & ~collides
-            valid, fresh = here & hit.valid, here & hit.fresh
-            before = line
-            solid = fresh & hit.layer.refracts & around
-            through = drjit.select(fresh & ~solid, through * self._tint(hit), through)
-            line = self._surfaces.onward(line, hit, valid & ~solid)
-            since = since + drjit.select(valid & ~solid, hit.at - before.along, 0)
+                at, rng = fog.free_path(line.o, line.d, line.along, hit.at, rng, active)
+                collides = active & (at < drjit.inf)
+                p = line.o + line.d * drjit.select(collides, at, 0)
+            here = active & ~collides
+            solid = here & hit.fresh & hit.layer.refracts
+            film = here & hit.fresh & ~hit.layer.refracts
+            through = drjit.select(film, through * self._tint(hit), through)
+            line = self._surfaces.onward(line, hit, here & hit.valid & ~solid)
             if bends:
+                since = since + drjit.select(here & ~solid, hit.at - start.along, 0)
                 line, factor, since, rng = bend(line, hit, since, rng, solid)
                 through = drjit.select(solid, through * factor, through)
-                turns = turns + drjit.select(solid, mitsuba.UInt32(1), 0)
-            active = valid
             if fog is not None:
                 two = mitsuba.Point2f(rng.next_float32(collides), rng.next_float32(collides))
-                p = before.o + before.d * drjit.select(collides, at, 0)
-                line = Line(
-                    drjit.select(collides, p, line.o),
-                    drjit.select(collides, fog.scattered(before.d, two), line.d),
-                    drjit.select(collides, 0, line.along),
-                    drjit.select(collides, mitsuba.UInt32(0xFFFFFFFF), line.known),
-                )
+                out = fog.scattered(start.d, two)
+                scattered = Line(p, out, mitsuba.Float(0), mitsuba.UInt32(NOWHERE))
+                line = scattered.where(drjit, collides, line)
                 through = drjit.select(collides, through * fog.albedo, through)
-                turns = turns + drjit.select(collides, mitsuba.UInt32(1), 0)
-                active = valid | collides
-            active = active & drjit.any(through > 0) & (turns < MOST_TURNS)
-            return line, through, since, turns, rng, active
+            turns = turns + drjit.select(solid | collides, mitsuba.UInt32(1), 0)
+            active = active & (collides | hit.valid) & drjit.any(through > 0)
+            return line, through, since, turns, rng, active & (turns < MOST_TURNS)
 
-        state = (choice.line, through, zero, mitsuba.UInt32(0), rng, active)
-        line, through, _, turns, _, _ = drjit.while_loop(state, lambda *v: v[5], step)
-        arrives = drjit.select(turns < MOST_TURNS, through * choice.value * choice.total, 0)
-        found = drjit.select(around, self._around.radiance(line.d), mitsuba.Color3f(1))
-        return drjit.select(choice.total > 0, arrives * found, 0)
+        start = mitsuba.Color3f(1), mitsuba.Float(0), mitsuba.UInt32(0), rng, choice.total > 0
+        state = drjit.while_loop((choice.line, *start), lambda *v: v[5], step)
+        line, through, _, turns = state[:4]
+        found = through * choice.value * choice.total * self._around.radiance(line.d)
+        return drjit.select((choice.total > 0) & (turns < MOST_TURNS), found, 0)

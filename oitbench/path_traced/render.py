@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib
 from collections.abc import Callable
 from dataclasses import dataclass
+from types import ModuleType
 from typing import Any
 
 import numpy as np
@@ -22,14 +23,17 @@ from oitbench.path_traced.walk import Walk, is_random, is_straight
 from oitbench.scene import Scene
 
 Progress = Callable[[int, int], None]
-"""Called with the number of finished and of all chunks."""
+"""Called with the number of finished and of all samples."""
 
-_CHUNK = 1 << 17
+_CHUNK = 1 << 18
 """Rays traced at once: some hundred bytes each, so that memory stays far below 1 GB."""
 
 
-_PHOTONS = 1 << 21
-"""Photons of a caustic map."""
+_MAPS = 16
+"""Caustic maps that a picture is averaged over, if it has as many samples; their noise is theirs."""
+_PHOTONS = 4
+"""Of each map, for each sub-pixel; so a map's cells are about as large as a pixel."""
+_FEWEST_PHOTONS = 1 << 14
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,8 +78,8 @@ def render(
     ssaa : int
         Rays go through the centers of ssaa × ssaa sub-pixels of each pixel, where GL samples too.
     spp : int
-        Samples for each sub-pixel, at least two. The straight integrator takes a single one: it
-        draws no random number, so all would be equal.
+        Samples for each sub-pixel, at least two. A single one is taken where no random number is
+        drawn, so all would be equal.
     seed : int
     progress : callable, optional
     variant : str, optional
@@ -99,50 +103,65 @@ def render(
     _check(size, ssaa, spp)
     mitsuba = llvm.load(variant)
     view = View(scene.camera, size[0] * ssaa, size[1] * ssaa)
-    exported, make = _prepare(scene, view, mitsuba, volpath)
-    chunks = _chunks(view)
-    passes = spp if volpath or is_random(scene) else 1
+    exported, make = _prepare(scene, view, mitsuba, seed, volpath)
+    samples = spp if volpath or is_random(scene) else 1
+    shared = -(-samples // _MAPS) if Effect.CAUSTICS in scene.effects else 1
     statistics = _Statistics()
-    for sample in range(passes):
-        integrator = make(sample)
-        image = np.empty((view.width * view.height, 3), dtype=np.float32)
-        for number, (first, last) in enumerate(chunks):
-            state = int(np.random.SeedSequence((seed, sample, number)).generate_state(1)[0])
-            image[first:last] = trace(mitsuba, integrator, exported, view.rays(first, last), state)
+    for first in range(0, samples, shared):
+        integrator = make(first)
+        total: Any = 0.0
+        last = min(first + shared, samples)
+        for sample in range(first, last):
+            image = _sample(mitsuba, integrator, exported, view, (seed, sample))
+            broken = int((~np.isfinite(image)).any(axis=-1).sum())
+            if broken:
+                raise SceneError(f"scene {scene.name}: {broken} path-traced rays are not finite")
+            total = total + box_downsample(image, ssaa)
             if progress is not None:
-                progress(sample * len(chunks) + number + 1, passes * len(chunks))
-        broken = int((~np.isfinite(image)).any(axis=-1).sum())
-        if broken:
-            raise SceneError(f"scene {scene.name}: {broken} path-traced rays are not finite")
-        statistics.add(box_downsample(image.reshape(view.height, view.width, 3), ssaa))
-    return statistics.estimate()
+                progress(sample + 1, samples)
+        statistics.add(total / (last - first))
+    return statistics.estimate(samples)
+
+
+def _sample(
+    mitsuba: ModuleType, integrator: Integrator, exported: Any, view: View, key: tuple[int, int]
+) -> Image:
+    """Return one sample of each sub-pixel, shape (h, w, 3)."""
+    count = view.width * view.height
+    image = np.empty((count, 3), dtype=np.float32)
+    for number, first in enumerate(range(0, count, _CHUNK)):
+        last = min(first + _CHUNK, count)
+        state = int(np.random.SeedSequence((*key, number)).generate_state(1)[0])
+        rays = view.rays(first, last)
+        image[first:last] = trace(mitsuba, integrator, exported, rays, state)
+    return image.reshape(view.height, view.width, 3)
 
 
 def _prepare(
-    scene: Scene, view: View, mitsuba: Any, volpath: bool
+    scene: Scene, view: View, mitsuba: ModuleType, seed: int, volpath: bool
 ) -> tuple[Any, Callable[[int], Integrator]]:
-    """Return the Mitsuba scene, and what makes an integrator for each sample."""
+    """Return the Mitsuba scene, and what makes an integrator for the samples from a given one."""
     if volpath or is_straight(scene):
         integrator = make_volpath(mitsuba) if volpath else make_straight(mitsuba)
         return export(scene, view, mitsuba), lambda sample: integrator
     if mitsuba.variant().startswith("scalar"):
         raise CapabilityError(
-            f"scene {scene.name}: lights, media and solids are path traced with LLVM only; "
+            f"scene {scene.name}: light that is scattered is path traced with LLVM only; "
             f"{llvm.MEND}"
         )
     drjit = importlib.import_module("drjit")
     exported, textures = export_with_textures(scene, view, mitsuba)
     surfaces = Surfaces.build(mitsuba, drjit, view, exported, layout(scene), textures)
-    caustics = None
-    if Effect.CAUSTICS in scene.effects:
-        caustics = CausticMap.build(mitsuba, drjit, exported, scene, _PHOTONS, 1)
-    walk = Walk(mitsuba, scene, surfaces, caustics)
-    return exported, lambda sample: walk
+    photons = max(_FEWEST_PHOTONS, _PHOTONS * view.width * view.height)
 
+    def make(sample: int) -> Integrator:
+        caustics = None
+        if Effect.CAUSTICS in scene.effects:
+            state = int(np.random.SeedSequence((seed, sample)).generate_state(1)[0])
+            caustics = CausticMap.build(mitsuba, drjit, exported, scene, photons, state)
+        return Walk(mitsuba, scene, surfaces, caustics)
 
-def _chunks(view: View) -> list[tuple[int, int]]:
-    count = view.width * view.height
-    return [(first, min(first + _CHUNK, count)) for first in range(0, count, _CHUNK)]
+    return exported, make
 
 
 def _check(size: tuple[int, int], ssaa: int, spp: int) -> None:
@@ -171,14 +190,14 @@ class _Statistics:
         self._mean = self._mean + offset / self._count
         self._squares = self._squares + offset * (value - self._mean)
 
-    def estimate(self) -> Estimate:
+    def estimate(self, spp: int) -> Estimate:
         count = self._count
         mean = self._mean.astype(np.float32)
         if count == 1:
-            return Estimate(mean, np.zeros_like(mean), (mean, mean), 1)
+            return Estimate(mean, np.zeros_like(mean), (mean, mean), spp)
         first, second = (
             (total / number).astype(np.float32)
             for total, number in zip(self._sums, ((count + 1) // 2, count // 2), strict=True)
         )
         variance = self._squares / (count - 1) / count
-        return Estimate(mean, variance.astype(np.float32), (first, second), count)
+        return Estimate(mean, variance.astype(np.float32), (first, second), spp)

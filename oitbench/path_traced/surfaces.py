@@ -24,6 +24,10 @@ STEP = 6e-7
 """Advance beyond a hit, relative to the magnitudes added up there: five float32 roundings."""
 
 
+NOWHERE = 0xFFFFFFFF
+"""The number of no face."""
+
+
 @dataclass
 class Line:
     """A straight part of a path: where it starts, its direction, and how far it is explored.
@@ -42,6 +46,15 @@ class Line:
     d: Any
     along: Any
     known: Any
+
+    def where(self, drjit: Any, mask: Any, other: Line) -> Line:
+        """Return this line where `mask` is set, `other` elsewhere."""
+        return Line(
+            drjit.select(mask, self.o, other.o),
+            drjit.select(mask, self.d, other.d),
+            drjit.select(mask, self.along, other.along),
+            drjit.select(mask, self.known, other.known),
+        )
 
 
 @dataclass
@@ -197,23 +210,13 @@ class Surfaces:
     def onward(self, line: Line, hit: Hit, active: Any) -> Line:
         """Return `line` explored up to beyond `hit`, where `active`."""
         drjit = self.drjit
-        return Line(
-            line.o,
-            line.d,
-            drjit.select(active, hit.beyond, line.along),
-            drjit.select(active, hit.face, line.known),
-        )
+        return Line(line.o, line.d, hit.beyond, hit.face).where(drjit, active, line)
 
     def turned(self, line: Line, hit: Hit, d: Any, active: Any) -> Line:
         """Return the line from `hit` in the direction `d` where `active`, `line` elsewhere."""
         drjit = self.drjit
         start = STEP * drjit.max(drjit.abs(hit.si.p))
-        return Line(
-            drjit.select(active, hit.si.p, line.o),
-            drjit.select(active, d, line.d),
-            drjit.select(active, start, line.along),
-            drjit.select(active, hit.face, line.known),
-        )
+        return Line(hit.si.p, d, start, hit.face).where(drjit, active, line)
 
     def _drawn(self, si: Any) -> Any:
         camera = self.view.camera

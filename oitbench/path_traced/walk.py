@@ -17,9 +17,9 @@ from dataclasses import dataclass
 from typing import Any
 
 from oitbench.path_traced.fog import Fog
-from oitbench.path_traced.gathering import Choice, Gathering
+from oitbench.path_traced.gathering import Choices, Gathering
 from oitbench.path_traced.reflection import interface, reflected, scattered
-from oitbench.path_traced.surfaces import Hit, Line, Surfaces
+from oitbench.path_traced.surfaces import NOWHERE, Hit, Line, Surfaces
 from oitbench.path_traced.surroundings import Surroundings
 from oitbench.scene import Scene
 
@@ -105,31 +105,31 @@ class Walk:
         """Return the radiance along `ray`."""
         mitsuba, drjit = self._mitsuba, self._drjit
         count = ray.o.shape[1]
-        nowhere = mitsuba.UInt32(0xFFFFFFFF)
-        line = Line(mitsuba.Point3f(ray.o), mitsuba.Vector3f(ray.d), mitsuba.Float(0), nowhere)
+        o, d = mitsuba.Point3f(ray.o), mitsuba.Vector3f(ray.d)
+        line = Line(o, d, mitsuba.Float(0), mitsuba.UInt32(NOWHERE))
         rng = mitsuba.PCG32(size=count, initstate=drjit.opaque(mitsuba.UInt64, seed))
         color, zero = mitsuba.Color3f, mitsuba.Float(0)
         path = Path(line, color(0), color(1), zero, mitsuba.UInt32(0), rng)
-        choice = self._gathering.nothing() if self._random else None
-        state = (path, choice, mitsuba.Bool(True))
-        path, choice, _ = drjit.while_loop(state, lambda *variables: variables[2], self._advance)
-        if choice is None:
+        choices = self._gathering.nothing() if self._random else None
+        state = (path, choices, mitsuba.Bool(True))
+        path, choices, _ = drjit.while_loop(state, lambda *variables: variables[2], self._advance)
+        if choices is None:
             return path.light
-        return path.light + self._gathering.chosen_light(choice, path.rng, self._bend)
+        return path.light + self._gathering.chosen_light(choices, path.rng, self._bend)
 
-    def _advance(self, path: Path, choice: Any, active: Any) -> tuple[Any, Any, Any]:
+    def _advance(self, path: Path, choices: Any, active: Any) -> tuple[Any, Any, Any]:
         """Follow paths up to the next place where anything happens."""
         drjit = self._drjit
         hit = self._surfaces.meet(path.line, active)
         if self._fog is not None:
-            path, choice, here, active = self._through_fog(path, choice, hit, active)
+            path, choices, here, active = self._through_fog(path, choices, hit, active)
         else:
             here = active
         missed = here & ~hit.valid
         around = self._around.radiance(path.line.d)
         path.light = path.light + drjit.select(missed, path.through * around, 0)
         met = here & hit.fresh
-        path, choice = self._shade(path, choice, hit, met)
+        path, choices = self._shade(path, choices, hit, met)
         known = here & hit.valid & ~hit.fresh
         path.line = self._surfaces.onward(path.line, hit, known)
         if self._random:
@@ -140,19 +140,19 @@ class Walk:
             path.through = drjit.select(met, path.through * tau, path.through)
             path.line = self._surfaces.onward(path.line, hit, met)
         active = active & ~missed & drjit.any(path.through > 0)
-        return self._thinned(path, choice, active)
+        return self._thinned(path, choices, active)
 
-    def _thinned(self, path: Path, choice: Any, active: Any) -> tuple[Any, Any, Any]:
+    def _thinned(self, path: Path, choices: Any, active: Any) -> tuple[Any, Any, Any]:
         """End faint paths at random, and those that are caught in a solid."""
         if not self._random:
-            return path, choice, active
+            return path, choices, active
         drjit = self._drjit
         kept = drjit.minimum(drjit.max(path.through) / FAINT, 1)
         lives = path.rng.next_float32(active) < kept
         path.through = drjit.select(active & lives, path.through / kept, path.through)
-        return path, choice, active & lives & (path.turns < MOST_TURNS)
+        return path, choices, active & lives & (path.turns < MOST_TURNS)
 
-    def _shade(self, path: Path, choice: Any, hit: Hit, met: Any) -> tuple[Path, Any]:
+    def _shade(self, path: Path, choices: Any, hit: Hit, met: Any) -> tuple[Path, Any]:
         """Add emission and caustics, and look for light, or note where it may be looked for."""
         drjit, layer = self._drjit, hit.layer
         if "glows" in self._surfaces.has:
@@ -162,38 +162,35 @@ class Walk:
             irradiance = self._caustics.irradiance(hit.si, lambert)
             diffuse = layer.coverage * layer.albedo / drjit.pi * irradiance
             path.light = path.light + drjit.select(lambert, path.through * diffuse, 0)
-        if choice is None:
+        if choices is None:
             found = self._gathering.light_at(path.line, hit, met)
             path.light = path.light + drjit.select(met, path.through * found, 0)
-            return path, choice
-        choice, path.rng = self._gathering.offer(
-            choice, path.line, hit, path.through, path.rng, met
+            return path, choices
+        choices, path.rng = self._gathering.offer(
+            choices, path.line, hit, path.through, path.rng, met
         )
-        return path, choice
+        return path, choices
 
     def _through_fog(
-        self, path: Path, choice: Choice, hit: Hit, active: Any
-    ) -> tuple[Path, Choice, Any, Any]:
+        self, path: Path, choices: Choices, hit: Hit, active: Any
+    ) -> tuple[Path, Choices, Any, Any]:
         """Scatter the paths that meet the medium before a surface; return which ones do not."""
-        drjit, mitsuba, line = self._drjit, self._mitsuba, path.line
-        at, path.rng = self._fog.free_path(line.o, line.d, line.along, hit.at, path.rng, active)
+        drjit, mitsuba, line, fog = self._drjit, self._mitsuba, path.line, self._fog
+        assert fog is not None
+        at, path.rng = fog.free_path(line.o, line.d, line.along, hit.at, path.rng, active)
         collides = active & (at < drjit.inf)
         p = line.o + line.d * drjit.select(collides, at, 0)
-        through = path.through * self._fog.albedo
-        choice, path.rng = self._gathering.offer_in_fog(
-            choice, p, line.d, through, path.rng, collides
+        through = path.through * fog.albedo
+        choices, path.rng = self._gathering.offer_in_fog(
+            choices, p, line.d, through, path.rng, collides
         )
         two = mitsuba.Point2f(path.rng.next_float32(collides), path.rng.next_float32(collides))
-        d = self._fog.scattered(line.d, two)
-        path.line = Line(
-            drjit.select(collides, p, line.o),
-            drjit.select(collides, d, line.d),
-            drjit.select(collides, 0, line.along),
-            drjit.select(collides, 0xFFFFFFFF, line.known),
-        )
+        d = fog.scattered(line.d, two)
+        turned = Line(p, d, mitsuba.Float(0), mitsuba.UInt32(NOWHERE))
+        path.line = turned.where(drjit, collides, line)
         path.through = drjit.select(collides, through, path.through)
         path.turns = path.turns + drjit.select(collides, mitsuba.UInt32(1), 0)
-        return path, choice, active & ~collides, active
+        return path, choices, active & ~collides, active
 
     def _pass(self, path: Path, hit: Hit, met: Any) -> Path:
         """Choose what a path does at a surface: go on, be reflected or spread, or enter a solid."""
