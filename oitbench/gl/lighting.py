@@ -202,7 +202,7 @@ def _beam(light: DirectionalLight | SpotLight, seen: Projection, map_side: int) 
 def _visibility(number: int, maps: ShadowMaps) -> str:
     """Return the GLSL that finds what beam `number` loses on its way."""
     lines = [
-        f"MapPlace at = place_in_map({number}, position, side);",
+        f"MapPlace at = place_in_map({number}, position);",
         "if (!at.inside) return lit;",
     ]
     if maps.channels:
@@ -212,7 +212,10 @@ def _visibility(number: int, maps: ShadowMaps) -> str:
         ]
         lines.append(f"lit = vec3({', '.join(reads)});")
     if maps.opaque:
-        lines.append(f"lit = min(lit, vec3(opaque_visibility(opaque_map{number}, {number}, at)));")
+        lines += [
+            f"at = place_in_map({number}, off_surface({number}, position, side));",
+            f"lit = min(lit, vec3(opaque_visibility(opaque_map{number}, {number}, at)));",
+        ]
     return "".join(f"        {line}\n" for line in lines)
 
 
@@ -240,6 +243,9 @@ def irradiance_harmonics(texels: Floats) -> Floats:
     ----------
     Ramamoorthi & Hanrahan 2001, "An efficient representation for irradiance environment maps".
     """
+    # Texels of a small map are cut into patches, over which the functions hardly change.
+    cuts = max(1, math.ceil(256 / len(texels)))
+    texels = texels.repeat(cuts, axis=0).repeat(cuts, axis=1)
     height, width = texels.shape[:2]
     edges = np.linspace(0, math.pi, height + 1)
     polar = (edges[:-1] + edges[1:]) / 2

@@ -137,9 +137,11 @@ def _parallel(
     deepest = _bounds(all_, axes)[0][2]
     reach = float(np.linalg.norm(high - low)) / 2 + 1e-3
     center, half = (low + high) / 2, np.maximum((high - low) / 2, 1e-6) * (1 + 2 * _MARGIN)
-    # The map's plane lies before the nearest caster, by half the size of what casts.
-    eye = np.array([center[0], center[1], high[2] + reach]) @ axes
-    near, far = reach / 2, float(high[2] + reach - min(low[2], deepest)) * 1.01
+    # The map's plane lies just before the nearest caster: variances are told apart from zero in
+    # proportion to distances from it.
+    before = _MARGIN * reach
+    eye = np.array([center[0], center[1], high[2] + 2 * before]) @ axes
+    near, far = before, float(high[2] + 2 * before - min(low[2], deepest)) * 1.01
     to_clip = np.diag([1 / half[0], 1 / half[1], -2 / (far - near), 1.0])
     to_clip[2, 3] = -(far + near) / (far - near)
     return Projection(

@@ -14,15 +14,19 @@ struct MapPlace {
     bool inside;      // of what the map shows
 };
 
-// Where a point lies in a beam's maps: moved off its surface, by what two texels span, along the
-// normal `side`, so that it does not lie in the shadow of itself.
-MapPlace place_in_map(int i, vec3 position, vec3 side) {
-    float span = beams[i].place.w == 0.0 ? 1.0 : dot(beams[i].distance, vec4(position, 1.0));
-    vec3 moved = position + 2.0 * beams[i].color.w * span * side;
-    vec4 clip = beams[i].to_map * vec4(moved, 1.0);
+// Where a point lies in a beam's maps.
+MapPlace place_in_map(int i, vec3 position) {
+    vec4 clip = beams[i].to_map * vec4(position, 1.0);
     vec2 ndc = clip.xy / clip.w;
     bool inside = clip.w > 0.0 && all(lessThan(abs(ndc), vec2(1.0)));
-    return MapPlace(0.5 + 0.5 * ndc, dot(beams[i].distance, vec4(moved, 1.0)), inside);
+    return MapPlace(0.5 + 0.5 * ndc, dot(beams[i].distance, vec4(position, 1.0)), inside);
+}
+
+// A point moved off its surface along the normal `side`, by what two texels of the depth map span,
+// so that it does not lie in the hard shadow of itself.
+vec3 off_surface(int i, vec3 position, vec3 side) {
+    float span = beams[i].place.w == 0.0 ? 1.0 : dot(beams[i].distance, vec4(position, 1.0));
+    return position + 2.0 * beams[i].color.w * span * side;
 }
 
 // Part of the light that passes the nearest opaque surface, between the four texels around.

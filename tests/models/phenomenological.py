@@ -1,0 +1,95 @@
+"""Phenomenological transparency in double precision (McGuire & Mara 2017), stage by stage."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from oitbench.oracle import transmittances
+from oitbench.scene import FragmentLists
+from tests.models.commutative import layers_of
+
+Array64 = npt.NDArray[np.float64]
+K0, K1 = 0.25, 0.5
+
+
+def depth_weight(opacity: Array64, depth: Array64, equation: str = "eq5") -> Array64:
+    """Return w of net opacity and window depth."""
+    near = 1 - 0.99 * depth
+    if equation == "g3d":
+        return np.clip(opacity * np.clip(1e4 * near**3, 1e-3, 1), 1e-3, 150)
+    return np.clip((10 * near * opacity) ** 3, 0.01, 30)
+
+
+def self_modulation(beta: Array64, kind: str) -> Array64:
+    """Return the factor on the mean layer."""
+    most = beta.max(axis=-1, keepdims=True)
+    if kind == "tvcg":
+        return np.asarray(0.5 + np.maximum(beta, 1e-3) / np.maximum(2e-3, 2 * most))
+    if kind == "i3d":
+        return np.asarray(0.5 + 0.5 * beta / np.maximum(0.01, most))
+    return np.ones_like(beta)
+
+
+def composite(
+    lists: FragmentLists,
+    background: npt.ArrayLike,
+    modulation: str = "tvcg",
+    equation: str = "eq5",
+    near: float = 0.1,
+) -> Array64:
+    """Return beta C0 + (1 − beta) S U for fragments that neither bend nor blur."""
+    color, opacity = layers_of(lists)
+    w = depth_weight(opacity, 1 - near / lists.z.astype(np.float64), equation)
+    total = (w * opacity).sum(axis=0)[..., None]
+    mean = (w[..., None] * color).sum(axis=0) / np.maximum(total, 1e-5)
+    beta = transmittances(lists).prod(axis=0)
+    return np.asarray(
+        beta * np.asarray(background) + (1 - beta) * self_modulation(beta, modulation) * mean
+    )
+
+
+def blur(
+    focal: float, collimation: float, weight: float, z: npt.ArrayLike, behind: npt.ArrayLike
+) -> Array64:
+    """Return one layer's D in pixels; `focal` in pixels, distances in metres."""
+    gap = np.abs(np.subtract(behind, z))
+    return np.asarray(focal * K0 * (1 - collimation) * weight * (1 - K1 / (K1 + gap)) / z)
+
+
+def bent(toward_eye: Array64, normal: Array64, eta: float) -> Array64:
+    """Return unit directions of light's path behind a surface, by Snell; all (..., 3), or NaN."""
+    cosine = (toward_eye * normal).sum(axis=-1, keepdims=True)
+    k = 1 - eta**2 * (1 - cosine**2)
+    return np.asarray(
+        -eta * toward_eye + (eta * cosine - np.sqrt(np.where(k < 0, np.nan, k))) * normal
+    )
+
+
+def gather(
+    picture: Array64, blurs: Array64, offset: Array64, radius: int, kernel: str = "disk"
+) -> Array64:
+    """Return the picture blurred over D = `blurs`, at `offset` (..., 2) pixels right and down."""
+    height, width = blurs.shape
+    out = picture.copy()
+    cut = 2.5 if kernel == "gaussian" else 1.0
+    for row, column in np.ndindex(height, width):
+        here = blurs[row, column]
+        if here == 0:
+            continue
+        x = int(np.floor(column + 0.5 + offset[row, column, 0]))
+        y = int(np.floor(row + 0.5 + offset[row, column, 1]))
+        reach = int(min(cut * here, radius)) // 2 * 2
+        total, weights = np.zeros(3), 0.0
+        for dy in range(-reach, reach + 1, 2):
+            for dx in range(-reach, reach + 1, 2):
+                tap = np.clip(y + dy, 0, height - 1), np.clip(x + dx, 0, width - 1)
+                there, square = blurs[tap], dx * dx + dy * dy
+                if square > (cut * min(here, there)) ** 2:
+                    continue
+                spread = max(there**2, 1.0)
+                weight = np.exp(-square / (2 * spread)) if cut > 1 else 1 / spread + 1e-5
+                total += weight * picture[tap]
+                weights += weight
+        out[row, column] = total / max(weights, 1e-20)
+    return out
