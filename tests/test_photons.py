@@ -17,8 +17,9 @@ from oitbench.errors import CapabilityError
 from oitbench.geometry import box, quad, sphere
 from oitbench.lights import PENUMBRA, DirectionalLight, Light, SpotLight
 from oitbench.path_traced import llvm
+from oitbench.path_traced.photon_cells import BITS, WIDER, PhotonCells
 from oitbench.path_traced.photons import CausticMap, absorption, mean_chord, solids
-from oitbench.scene import RGB, WHITE, Camera, Material, Mesh, Object, Scene
+from oitbench.scene import BLACK, RGB, WHITE, Camera, Material, Mesh, Object, Scene
 
 needs_llvm = pytest.mark.skipif(
     importlib.util.find_spec("mitsuba") is None or llvm.backend().variant != llvm.FAST_VARIANT,
@@ -33,14 +34,14 @@ COUNT = 150_000
 Floats = npt.NDArray[np.float64]
 
 
-def _glass(index: float, transmission: RGB = WHITE) -> Material:
-    return Material(transmission=transmission, index=index, solid=True, roughness=0.0)
+def _glass(index: float, transmission: RGB = WHITE, albedo: RGB = BLACK) -> Material:
+    return Material(
+        transmission=transmission, albedo=albedo, index=index, solid=True, roughness=0.0
+    )
 
 
-def _scene(
-    mesh: Mesh, index: float, lights: Sequence[Light] = (DOWN,), transmission: RGB = WHITE
-) -> Scene:
-    glass = Object("glass", mesh, _glass(index, transmission))
+def _scene(mesh: Mesh, index: float, lights: Sequence[Light] = (DOWN,), **material: RGB) -> Scene:
+    glass = Object("glass", mesh, _glass(index, **material))
     floor = Object("floor", FLOOR, Material(albedo=WHITE))
     return Scene("caustic", Camera((0, 3, 9)), (floor, glass), lights=tuple(lights))
 
@@ -148,6 +149,32 @@ def test_light_through_a_clear_solid_is_even_and_ends_with_it() -> None:
     assert not traced.irradiance(_grid(0.2, center=(beyond + 0.2, 0, 0))).any()
     assert not traced.irradiance(_grid(0.9), (0, -1, 0)).any()
     assert not traced.irradiance([(0, 0, 1e6), (math.nan, 0, 0)]).any()
+
+
+@needs_llvm
+def test_what_a_solid_scatters_does_not_enter_it() -> None:
+    traced = _Traced(_scene(SLAB, CLEAR, albedo=(0.0, 0.3, 0.9)))
+    found = traced.irradiance(_grid(0.8)).mean(axis=(0, 1))
+    np.testing.assert_allclose(found, (1, 0.7, 0.1), rtol=5e-3)
+
+
+def test_sparse_photons_are_spread_over_wide_cells_and_none_is_lost() -> None:
+    middle = 1 << (BITS - 1)
+    rng = np.random.default_rng(1)
+    many = middle + rng.integers(0, WIDER, (3000, 2))  # all in one wide cell
+    few = middle + 400 + rng.integers(0, 400, (3000, 2))
+    fields = np.concatenate([many, few]).astype(np.uint64)
+    power = rng.random((len(fields), 3))
+    cells = PhotonCells()
+    for part in (slice(0, 2000), slice(2000, None)):
+        keys = (fields[part, 0] << np.uint64(2 * BITS)) | (fields[part, 1] << np.uint64(BITS))
+        cells.add(keys | np.uint64(middle), power[part])
+    keys, sums = cells.finish()
+    assert (np.diff(keys.astype(object)) > 0).all()
+    wide = keys >> np.uint64(3 * BITS + 3) == 1
+    # Each cell is there twice, as cells overlap along the axis.
+    np.testing.assert_allclose(sums[~wide].sum(axis=0), 2 * power[: len(many)].sum(axis=0))
+    np.testing.assert_allclose(sums[wide].sum(axis=0), 2 * power[len(many) :].sum(axis=0))
 
 
 @needs_llvm

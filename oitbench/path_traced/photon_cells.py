@@ -17,9 +17,11 @@ BITS = 20
 WIDER_BITS = 2
 WIDER = 1 << WIDER_BITS
 """Sides of a cell in the side of a wide one."""
-SPARSE, DENSE = 8, 16
-"""Mean photons in the cells of a wide one: below the first they are all spread over the wide cell,
+SPARSE, DENSE = 6, 16
+"""Mean photons in the cells around one: below the first they are all spread over the wide cell,
 above the second none is. Few photons in small cells are specks, many in wide ones are blurred."""
+ACROSS = (2, 1)
+"""Places in a key of the two coordinates across the axis."""
 MOST_PENDING = 1 << 22
 """Deposits that wait to be summed up: 40 bytes each."""
 
@@ -57,13 +59,11 @@ class PhotonCells:
             return np.zeros(0, dtype=np.uint64), np.zeros((0, 3))
         self._merge()
         keys, sums = self._keys[0], self._sums[0]
-        wide_keys = _wide(keys)
-        _, inverse = np.unique(wide_keys, return_inverse=True)
-        mean = np.bincount(inverse, weights=sums[:, 3])[inverse] / WIDER**2
-        spread = np.clip((DENSE - mean) / (DENSE - SPARSE), 0, 1)[:, None]
+        density = _density(keys, sums[:, 3])
+        spread = np.clip((DENSE - density) / (DENSE - SPARSE), 0, 1)[:, None]
         power = sums[:, :3]
         keys, power = _sum(
-            np.concatenate([keys, wide_keys]),
+            np.concatenate([keys, _wide(keys)]),
             np.concatenate([(1 - spread) * power, spread * power]),
         )
         lit = power.any(axis=1)
@@ -86,3 +86,28 @@ def _wide(keys: Keys) -> Keys:
         field = (keys >> np.uint64(place * BITS)) & mask
         wide = (wide << np.uint64(BITS)) | (field >> np.uint64(WIDER_BITS))
     return wide
+
+
+def _density(keys: Keys, counts: Floats) -> Floats:
+    """Return the mean photons of the cells around each, interpolated between wide cells."""
+    wide, inverse = np.unique(_wide(keys), return_inverse=True)
+    means = np.bincount(inverse, weights=counts) / WIDER**2
+    corners = [(_wide(keys), np.ones(len(keys)))]
+    for place in ACROSS:
+        field = (keys >> np.uint64(place * BITS)) & np.uint64(WIDER - 1)
+        # From the middle of the wide cell, in its sides.
+        offset = (field + 0.5) / WIDER - 0.5
+        step = np.uint64(1 << (place * BITS))
+        corners = [
+            corner
+            for key, weight in corners
+            for corner in (
+                (key, weight * (1 - np.abs(offset))),
+                (np.where(offset < 0, key - step, key + step), weight * np.abs(offset)),
+            )
+        ]
+    density = np.zeros(len(keys))
+    for key, weight in corners:
+        found = np.minimum(np.searchsorted(wide, key), len(wide) - 1)
+        density += np.where(wide[found] == key, means[found], 0) * weight
+    return density

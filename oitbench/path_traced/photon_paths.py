@@ -19,9 +19,9 @@ class PhotonPaths:
     mitsuba, drjit : module
         With a variant that is not scalar.
     scene : mitsuba.Scene
-    media : sequence of (mitsuba.ShapePtr, mitsuba.Color3f)
-        The refracting solids, and the absorption σ inside, m⁻¹. All other surfaces are films, which
-        let light straight through or not at all.
+    media : sequence of (mitsuba.ShapePtr, mitsuba.Color3f, mitsuba.Color3f)
+        The refracting solids, the absorption σ inside, m⁻¹, and what their albedo leaves of light
+        that enters. All other surfaces are films, which let light straight through or not at all.
     seeds : sequence of int
         Two for each of `DEPTH` surfaces.
     """
@@ -29,7 +29,7 @@ class PhotonPaths:
     mitsuba: Any
     drjit: Any
     scene: Any
-    media: Sequence[tuple[Any, Any]]
+    media: Sequence[tuple[Any, Any, Any]]
     seeds: Sequence[int]
 
     def follow(self, ray: Any, power: Any, index: Any) -> Iterator[tuple[Any, Any, Any, Any]]:
@@ -58,11 +58,12 @@ class PhotonPaths:
         for depth in range(DEPTH):
             si = self.scene.ray_intersect(ray)
             arriving = drjit.select(si.is_valid(), power * drjit.exp(-inside * si.t), 0)
-            solid, sigma = self._solid(si)
+            solid, sigma, kept = self._solid(si)
             received = bent & ~solid & drjit.any(arriving > 0)
             direction, weight = self._scatter(si, solid, index, depth)
-            power = arriving * weight
             enters = drjit.dot(direction, si.n) < 0
+            passes_in = solid & enters & (drjit.dot(ray.d, si.n) < 0)
+            power = arriving * weight * drjit.select(passes_in, kept, 1)
             inside = drjit.select(solid, drjit.select(enters, sigma, 0), inside)
             bent = bent | solid
             ray = si.spawn_ray(direction)
@@ -77,14 +78,16 @@ class PhotonPaths:
                 for value in (ray, power, inside, bent, index)
             )
 
-    def _solid(self, si: Any) -> tuple[Any, Any]:
-        """Return whether `si` is on a solid, and σ inside."""
-        solid, sigma = self.mitsuba.Bool(False), self.mitsuba.Color3f(0)
-        for shape, value in self.media:
+    def _solid(self, si: Any) -> tuple[Any, Any, Any]:
+        """Return whether `si` is on a solid, σ inside, and what is left of light that enters."""
+        solid, color = self.mitsuba.Bool(False), self.mitsuba.Color3f
+        sigma, kept = color(0), color(1)
+        for shape, absorbs, leaves in self.media:
             here = si.shape == shape
             solid |= here
-            sigma = self.drjit.select(here, value, sigma)
-        return solid, sigma
+            sigma = self.drjit.select(here, absorbs, sigma)
+            kept = self.drjit.select(here, leaves, kept)
+        return solid, sigma, kept
 
     def _scatter(self, si: Any, solid: Any, index: Any, depth: int) -> tuple[Any, Any]:
         """Return the direction in which a photon goes on, and the factor on its power."""

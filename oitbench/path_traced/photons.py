@@ -65,8 +65,9 @@ class CausticMap:
     """Irradiance through refracting solids, in a grid of square cells on all surfaces.
 
     A cell is known by the axis that its surface faces most, the sign, two coordinates across and
-    one along it. The light in four cells is interpolated, so it is spread over about two sides;
-    surfaces smaller than a cell, and edges, come out too dark. Both sides of a surface are lit.
+    one along it. The light in four cells is interpolated, so it is spread over about two sides, or
+    `WIDER` times that where photons are sparse; surfaces smaller than that, and their edges, come
+    out too dark. Both sides of a surface are lit. A medium in the air takes no light away.
 
     Parameters
     ----------
@@ -75,7 +76,7 @@ class CausticMap:
     origin : Point3f
         Metres.
     side : Float
-        Of a cell, in metres.
+        Of a cell, in metres; wide cells have `WIDER` times it.
     keys : UInt64
         Of the cells with any light, ascending.
     light : Float
@@ -228,14 +229,15 @@ def _triangles(mesh: Mesh) -> npt.NDArray[np.float64]:
 
 def _media(
     mitsuba: Any, drjit: Any, mitsuba_scene: Any, items: dict[str, Object]
-) -> list[tuple[Any, Any]]:
-    """Return the shape and the absorption of each refracting solid."""
+) -> list[tuple[Any, Any, Any]]:
+    """Return each refracting solid's shape, absorption, and what enters of light that passes."""
     shapes = {shape.id(): shape for shape in mitsuba_scene.shapes()}
     missing = sorted(set(items) - set(shapes))
     if missing:
         raise ValueError(f"the Mitsuba scene has no shape {', '.join(missing)}")
+    color = mitsuba.Color3f
     media = [
-        (mitsuba.ShapePtr(shapes[name]), mitsuba.Color3f(*absorption(item)))
+        (mitsuba.ShapePtr(shapes[name]), color(*absorption(item)), 1 - color(*item.material.albedo))
         for name, item in items.items()
     ]
     drjit.make_opaque(media)
