@@ -222,7 +222,7 @@ def test_all_that_meets_a_sphere_arrives_on_the_walls_around_it() -> None:
     total = 0.0
     for axis in range(3):
         for sign in (1, -1):
-            points = np.roll(_grid(half + beyond, 300), axis - 1, axis=-1)
+            points = np.roll(_grid(half + beyond, 200), axis - 1, axis=-1)
             points[..., axis] = sign * half
             normal = np.roll((sign, 0, 0), axis)
             lit = traced.irradiance(np.add(points, (0, half, 0)), _rgb(normal))[..., 0]

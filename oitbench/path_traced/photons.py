@@ -213,14 +213,22 @@ class CausticMap:
     def _deposit(self, cells: PhotonCells, p: Any, n: Any, power: Any, active: Any) -> None:
         """Add the photons of `power` that arrive at `p` to `cells`, for each axis that it faces."""
         drjit, mitsuba = self.drjit, self.mitsuba
+        hit = drjit.compress(active)
+        if not len(hit):
+            return
+        p, n, power = (drjit.gather(type(value), value, hit) for value in (p, n, power))
+        deposits = []
         for axis in range(3):
             *cell, facing = self._place(p, n, axis)
-            key, inside = self._key(0, mitsuba.UInt32(axis), facing, [drjit.floor(x) for x in cell])
+            number = mitsuba.UInt32(axis)
+            key, inside = self._key(0, number, facing, [drjit.floor(value) for value in cell])
             # A cell's surface is larger than its cross-section where it is tilted.
-            value = power * drjit.abs(facing)
-            hit = drjit.compress(active & inside & (drjit.abs(facing) > LEAST_FACING))
-            keys = drjit.gather(mitsuba.UInt64, key, hit).numpy()
-            cells.add(keys, drjit.gather(mitsuba.Color3f, value, hit).numpy().T)
+            facing = drjit.abs(facing)
+            deposits.append((key, power * facing, inside & (facing > LEAST_FACING)))
+        drjit.eval(deposits)
+        for key, value, counts in deposits:
+            chosen = counts.numpy()
+            cells.add(key.numpy()[chosen], value.numpy().T[chosen])
 
 
 def _triangles(mesh: Mesh) -> npt.NDArray[np.float64]:
