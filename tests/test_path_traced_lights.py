@@ -59,7 +59,7 @@ def _image(scene: Scene) -> Floats:
 
 
 def _agrees(estimate: Estimate, expected: npt.ArrayLike) -> None:
-    """Compare with six standard errors of the mean over all pixels, each of the same expectation."""
+    """Compare the mean of all pixels within six of its standard errors."""
     error = np.sqrt(estimate.variance.mean(axis=(0, 1)) / estimate.mean[..., 0].size)
     deviation = np.abs(estimate.mean.mean(axis=(0, 1)) - expected)
     assert (error < 0.02 * np.max(expected)).all()

@@ -133,8 +133,8 @@ def test_what_a_frosted_sheet_does_not_cover_goes_straight_on() -> None:
     frosted = Material(0.25, transmission=(0.8, 0.8, 0.8), collimation=0.2)
     sheet = Object("sheet", quad((0, 0, 0), (9, 0, 0), (0, 9, 0)), frosted)
     row = _edge(sheet, 1.0)
-    # What is spread rises by 4/(πR) times a pixel where the rest rises at once.
-    rise = 0.75 + 0.25 * 0.8 * PIXEL * 4 / math.pi / spread(0.2) / 2
+    # What is spread rises by 2/(πR) times a pixel where the rest rises at once.
+    rise = 0.75 + 0.25 * 0.8 * PIXEL * 2 / math.pi / spread(0.2)
     assert row[32] - row[31] == pytest.approx(rise, abs=0.02)
     assert row[-1] == pytest.approx(0.75 + 0.25 * 0.8, abs=0.01)
 

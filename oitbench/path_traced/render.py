@@ -30,7 +30,7 @@ _CHUNK = 1 << 18
 
 
 _MAPS = 16
-"""Caustic maps that a picture is averaged over, if it has as many samples; their noise is theirs."""
+"""Caustic maps that a picture is averaged over, if it has as many samples."""
 _PHOTONS = 4
 """Of each map, for each sub-pixel; so a map's cells are about as large as a pixel."""
 _FEWEST_PHOTONS = 1 << 14
