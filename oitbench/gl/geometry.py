@@ -96,7 +96,7 @@ class Geometry:
     opaque, transparent : Batch
     casting : Batch
         What is transparent and casts shadows.
-    foliage : Batch
+    cutouts : Batch
         What is transparent and of binary coverage.
     batches : dict of Objects to Batch
         What is transparent, by what a pass asks for.
@@ -133,7 +133,7 @@ class Geometry:
             else self._batch(scene.transparent, parts)
         )
         self.casting = self._part(scene.transparent, lambda item: item.casts)
-        self.foliage = self._part(scene.transparent, lambda item: item.material.binary_coverage)
+        self.cutouts = self._part(scene.transparent, lambda item: item.material.binary_coverage)
         particles = self._part(scene.transparent, lambda item: item.particles)
         others = self._part(scene.transparent, lambda item: not item.particles)
         self.batches = {

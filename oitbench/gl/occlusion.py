@@ -93,7 +93,7 @@ class Occlusion:
 
     def _compile(self, geometry: Geometry) -> None:
         radius = {"RADIUS_MICROMETRES": round(1e6 * geometry.scene.ambient_occlusion)}
-        for batch, defines in ((geometry.opaque, {}), (geometry.foliage, {"INTERIOR": 1})):
+        for batch, defines in ((geometry.opaque, {}), (geometry.cutouts, {"INTERIOR": 1})):
             step = Pass("opaque_map.glsl", Draws.FRAGMENTS, depth="occluders", defines=defines)
             self._add("occluders", step, "occluders", {}, batch)
         taps = _AROUND + 2 * PLANES * STEPS

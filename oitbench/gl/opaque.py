@@ -82,7 +82,7 @@ def draw_opaque(
     )  # fmt: skip
     _draw(blueprint, _OPAQUE, names, geometry.opaque, view, depth_writes=True)
     if occludes(scene, effects):
-        _draw(blueprint, _INTERIOR, names, geometry.foliage, view, depth_writes=True)
+        _draw(blueprint, _INTERIOR, names, geometry.cutouts, view, depth_writes=True)
     if scene.environment is not None and lighting is not None and not transmittance:
         background_pass = compile_pass(blueprint, _BACKGROUND, names)
         background_pass.begin(view, (0, 0, *size))
