@@ -131,7 +131,7 @@ def ice_cube(size: RGB, rounding: float, detail: float) -> Mesh:
     """
     cells = divisions(6, detail, 2) * 2
     # Whole numbers, so that faces agree on their common edges exactly.
-    step = np.rint(box((0, 0, 0), (cells, cells, cells), cells).positions.astype(np.float64))
+    step = box((0, 0, 0), (cells, cells, cells), cells).positions.astype(np.float64)
     triangles = box((0, 0, 0), (1, 1, 1), cells).triangles
     half = np.asarray(size) / 2
     core = half - rounding

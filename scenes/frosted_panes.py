@@ -26,7 +26,7 @@ BOX, RAIL = 0.2, 0.03
 SQUARES = 4
 GAP = 0.001
 """Metres between surfaces that touch: coincident ones have no right picture."""
-TILE, WALL = 0.24, -1.92
+TILE, WALL = 0.24, -1.44
 """Edge of a tile of the floor, and where the back wall stands, metres."""
 GLASS: RGB = (0.92, 0.92, 0.92)
 
@@ -42,7 +42,7 @@ STEEL = Material(albedo=(0.10, 0.10, 0.11), specular=0.3, roughness=0.5)
 parameters = {
     "detail": Parameter(1.0, low=0.0, high=100.0, help="factor on the triangles of a surface"),
     "distance": Parameter(
-        0.55, low=0.25, high=1.5, help="metres from each pane back to the axis of its teapot"
+        0.45, low=0.4, high=1.5, help="metres from each pane back to the axis of its teapot"
     ),
 }
 
@@ -76,10 +76,10 @@ def build(*, name: str, detail: float, distance: float) -> Scene:
 
 def _surroundings() -> list[Object]:
     """Return the tiled floor, the striped wall behind, and the rail from which the panes hang."""
-    columns, rows = 40, 22
+    columns, rows = 40, 20
     across, middle = (columns * TILE / 2, 0.0, 0.0), WALL + rows * TILE / 2
     pale, grey = checkers((0, 0, middle), across, (0, 0, -rows * TILE / 2), columns, rows)
-    paper, stripes = checkers((0, 2.0, WALL), across, (0, 2.0, 0), columns, 1)
+    paper, stripes = checkers((0, 2.0, WALL), across, (0, 2.0, 0), columns // 2, 1)
     length = PITCH * len(COLLIMATIONS)
     rail = box((0, HEIGHT + 2 * GAP + RAIL / 2, 0), (length, RAIL, RAIL))
     return [

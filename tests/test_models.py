@@ -208,6 +208,11 @@ def test_the_teapot_has_its_size_and_faces_its_spout() -> None:
     np.testing.assert_allclose(half.positions * 10, mesh.positions, atol=1e-5)
 
 
+def test_the_teapot_keeps_its_volume() -> None:
+    # Of body, lid, handle and spout together, in cubic units: no control point moves unseen.
+    assert signed_volume(teapot.teapot(3.15, 1.0)) == pytest.approx(25.6806, rel=1e-4)
+
+
 @pytest.mark.parametrize("detail", [1.0, 4.0])
 def test_the_teapot_is_turned_outwards(detail: float) -> None:
     mesh = teapot.teapot(1.0, detail)

@@ -122,7 +122,7 @@ def test_collimation_falls_from_left_to_right() -> None:
     assert all(one[1][0] < other[0][0] for one, other in itertools.pairwise(spans))
 
 
-@pytest.mark.parametrize("distance", ["0.3", "0.55"])
+@pytest.mark.parametrize("distance", ["0.4", "1"])
 def test_each_box_touches_its_pane_and_each_teapot_stands_behind_it(distance: str) -> None:
     scene = build(f"frosted_panes[detail=0.1,distance={distance}]")
     for number, pane in enumerate(named(scene, "pane ")):
