@@ -199,6 +199,15 @@ def test_films_receive_and_tint_the_light_behind_the_solid_only() -> None:
 
 
 @needs_llvm
+def test_light_inside_a_solid_is_power_and_not_radiance() -> None:
+    film = quad((0, 1, 0), (0.9, 0, 0), (0, 0, -0.9))
+    traced = _Traced(_scene(SLAB, 1.5), [(film, {"type": "null"})])
+    # Down and up together: (1 − R)(1 + R)/(1 − R²). Radiance would be 2.25 times that.
+    found = traced.irradiance(_grid(0.7, center=(0, 1, 0)))[..., 0].mean()
+    assert found == pytest.approx(1, rel=5e-3)
+
+
+@needs_llvm
 @pytest.mark.parametrize("tilt", [0.3, 0.7, 1.0])
 def test_a_tilted_receiver_is_lit_by_the_cosine(tilt: float) -> None:
     normal = (math.sin(tilt) * 0.6, math.cos(tilt), math.sin(tilt) * 0.8)
