@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from oitbench.scene import RGB, Camera, Mesh
+from oitbench.scene import RGB, Mesh
 
 Floats = npt.NDArray[np.float64]
 
@@ -82,42 +82,6 @@ def diffuse(
     return np.asarray(facing * np.asarray(rig.key) * lit + fill * openness)
 
 
-def gloss(mesh: Mesh, camera: Camera, rig: Rig, exponent: float, rim: float) -> Floats:
-    """Return white reflections on a smooth two-sided surface: a highlight and a brighter rim.
-
-    Parameters
-    ----------
-    mesh : Mesh
-        With normals; whichever side faces the camera is shaded.
-    camera : Camera
-        The viewpoint that the highlight is baked for.
-    rig : Rig
-        The key light makes the highlight, sky and ground are mirrored in the rim.
-    exponent : float
-        Sharpness of the highlight, as of Blinn 1977.
-    rim : float
-        Reflectance at grazing view. It falls off as in Schlick's approximation, but with the third
-        power: thin plastic is never smooth enough for the fifth.
-
-    Returns
-    -------
-    array, shape (n, 3)
-    """
-    view = np.asarray(camera.position) - mesh.positions
-    view /= np.linalg.norm(view, axis=1, keepdims=True)
-    normals = normals_of(mesh)
-    cosine = (normals * view).sum(axis=1, keepdims=True)
-    normals = np.where(cosine < 0, -normals, normals)
-    cosine = np.abs(cosine)
-    half = view + rig.direction
-    half /= np.linalg.norm(half, axis=1, keepdims=True)
-    highlight = np.maximum((normals * half).sum(axis=1, keepdims=True), 0) ** exponent
-    mirrored = 2 * cosine * normals - view
-    upward = 0.5 + 0.5 * mirrored[:, 1:2]
-    surroundings = upward * np.asarray(rig.sky) + (1 - upward) * np.asarray(rig.ground)
-    return np.asarray(highlight * np.asarray(rig.key) + rim * (1 - cosine) ** 3 * surroundings)
-
-
 def cone(direction: npt.ArrayLike, spread: float, count: int) -> Floats:
     """Return `count` unit directions, shape (count, 3), evenly within `spread` radians of one.
 
@@ -147,61 +111,6 @@ def sphere_chord(
     closest = offset @ toward
     half = np.sqrt(np.maximum(radius**2 - (offset**2).sum(axis=-1) + closest**2, 0.0))
     return np.asarray(np.maximum(closest + half, 0) - np.maximum(closest - half, 0))
-
-
-def box_blocks(
-    points: npt.ArrayLike, direction: npt.ArrayLike, low: RGB, high: RGB
-) -> npt.NDArray[np.bool_]:
-    """Tell which rays from `points`, shape (n, 3), along one unit `direction` meet a box's inside.
-
-    `low` and `high` are its corners. A ray that only starts on a face does not meet it.
-    """
-    origin = np.asarray(points, dtype=np.float64)
-    # A tiny slope stands for zero: its slab distances are huge, and of the right sign.
-    toward = np.asarray(direction, dtype=np.float64)
-    toward = np.where(np.abs(toward) < 1e-12, 1e-12, toward)
-    slabs = np.stack([(np.asarray(low) - origin) / toward, (np.asarray(high) - origin) / toward])
-    enter = slabs.min(axis=0).max(axis=-1)
-    leave = slabs.max(axis=0).min(axis=-1)
-    return np.asarray(leave > np.maximum(enter, 0.0) + 1e-6)
-
-
-def revolved_chord(
-    points: npt.ArrayLike,
-    direction: npt.ArrayLike,
-    profile: npt.ArrayLike,
-    base: RGB,
-    steps: int = 24,
-) -> Floats:
-    """Return how many metres of a solid of revolution lie on the rays from points below it.
-
-    Parameters
-    ----------
-    points : array, shape (n, 3)
-        At or below the height of `base`.
-    direction : array, shape (3,)
-        Unit vector that rises.
-    profile : array, shape (k, 2)
-        (radius, height above `base`) in metres, heights ascending.
-    base : RGB
-        Foot of the axis.
-    steps : int
-        Heights at which the solid is sampled.
-
-    Returns
-    -------
-    array, shape (n,)
-    """
-    outline = np.asarray(profile, dtype=np.float64)
-    toward = np.asarray(direction, dtype=np.float64)
-    start = np.asarray(points, dtype=np.float64) - np.asarray(base)
-    heights = outline[0, 1] + (np.arange(steps) + 0.5) / steps * np.ptp(outline[:, 1])
-    radii = np.interp(heights, outline[:, 1], outline[:, 0])
-    reach = (heights - start[:, 1:2]) / toward[1]
-    x = start[:, 0:1] + reach * toward[0]
-    z = start[:, 2:3] + reach * toward[2]
-    inside = x**2 + z**2 < radii**2
-    return np.asarray(inside.sum(axis=1) * (np.ptp(outline[:, 1]) / steps / toward[1]))
 
 
 def tint(weights: npt.ArrayLike, colors: Sequence[RGB]) -> Floats:

@@ -23,9 +23,9 @@ parameters = {
     "detail": Parameter(1.0, low=0.0, high=100.0, help="factor on the triangles of a surface"),
 }
 
-TINT: RGB = (0.94, 0.88, 0.78)  # transmission of one wall
+TINT: RGB = (0.90, 0.82, 0.68)  # transmission of one wall
 RADIUS = 0.42
-HEIGHT = 0.62  # of the middles over the floor, metres
+HEIGHT = 0.70  # of the middles over the floor, metres
 # Refractive index of each ball, and where it stands along the row.
 BALLS = ((1.0, -1.65), (1.3, -0.55), (1.5, 0.55))
 KNOT: RGB = (1.65, HEIGHT, 0.0)
@@ -37,7 +37,7 @@ SURROUNDINGS = ((-90.0, (0.08, 0.08, 0.08)), (0.0, (0.20, 0.20, 0.21)), (90.0, (
 
 def build(*, name: str, detail: float) -> Scene:
     """Return the floor, the balls in ascending order of index, and the knot."""
-    camera = Camera(position=(0.0, 3.9, 4.6), target=(0.07, 0.34, 0.1), fov_y=math.radians(33.5))
+    camera = Camera(position=(0.0, 4.8, 4.0), target=(0.07, 0.34, 0.06), fov_y=math.radians(33.5))
     paper = Material(albedo=(0.62, 0.62, 0.62), specular=0.0)
     objects = [Object("floor", quad((0, 0, 0), (30, 0, 0), (0, 0, -30)), paper, casts=False)]
     slices = divisions(96, detail, 12)
@@ -46,10 +46,10 @@ def build(*, name: str, detail: float) -> Scene:
         objects.append(Object(f"ball of index {index}", ball, _glass(index)))
     objects.append(Object("knot of index 1.5", _knot(detail), _glass(1.5)))
     spot = SpotLight(
-        position=(-0.7, 6.5, -3.2),
-        target=(0.1, 0.0, -0.8),
-        intensity=(150.0, 146.0, 138.0),
-        angle=math.radians(92),
+        position=(-0.7, 5.5, -2.6),
+        target=(0.1, 0.0, -0.9),
+        intensity=(105.0, 102.0, 97.0),
+        angle=math.radians(84),
     )
     return Scene(name, camera, tuple(objects), lights=(spot, gradient_sky(SURROUNDINGS)))
 

@@ -230,12 +230,12 @@ def test_spheres_differ_in_index_alone_and_hover_in_a_row() -> None:
     assert [item.material.refracts for item in solids] == [False, True, True, True]
     assert solids[0].material.reflectance == 0
     assert len({item.material.transmission for item in solids}) == 1
-    assert 0.75 < min(solids[0].material.transmission) < max(solids[0].material.transmission) < 0.95
+    assert 0.6 < min(solids[0].material.transmission) < max(solids[0].material.transmission) < 0.95
     spans = [
         (float(x.min()), float(x.max())) for x in (item.mesh.positions[:, 0] for item in solids)
     ]
     assert all(one[1] < other[0] for one, other in itertools.pairwise(spans))
-    assert all(0.1 < item.mesh.positions[:, 1].min() < 0.3 for item in solids)
+    assert all(0.1 < item.mesh.positions[:, 1].min() < 0.4 for item in solids)
 
 
 def test_the_spot_light_reaches_every_sphere_and_its_shadow() -> None:
