@@ -48,7 +48,10 @@ parameters = {
 
 
 def build(*, name: str, detail: float, distance: float) -> Scene:
-    """Return the row; the floor and the wall throw no shadow, all else does."""
+    """Return the row; the floor and the wall throw no shadow, all else does.
+
+    The surroundings are dim, because floor and wall hide half of them from each other.
+    """
     objects = _surroundings()
     pot = transform(teapot(TEAPOT_HEIGHT, detail), rotation((0, 1, 0), TEAPOT_TURN))
     cells = (divisions(8, detail, 2), divisions(16, detail, 2))
@@ -68,8 +71,8 @@ def build(*, name: str, detail: float, distance: float) -> Scene:
         camera=Camera(position=(0, 1.15, 4.3), target=(0, 0.55, 0), fov_y=math.radians(36)),
         objects=tuple(objects),
         lights=(
-            DirectionalLight(direction=(0.75, -1.0, -0.55), irradiance=(2.0, 1.9, 1.75)),
-            EnvironmentLight(room((0.62, 0.66, 0.72), (0.48, 0.5, 0.53), (0.3, 0.29, 0.28), ())),
+            DirectionalLight(direction=(0.6, -0.85, -0.8), irradiance=(2.9, 2.8, 2.6)),
+            EnvironmentLight(room((0.24, 0.26, 0.30), (0.18, 0.19, 0.21), (0.10, 0.10, 0.10), ())),
         ),
     )
 
