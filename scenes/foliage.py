@@ -3,13 +3,18 @@
 Each leaf is a card with a binary mask as its coverage, anti-aliased only by filtering: opaque in
 its middle, partly covering along its outline, empty beyond. A plant is one object with its leaves
 in random order, five to twenty cards deep. No leaf transmits: light through leaves is baked in.
+
+Under light=sky nothing is baked: a sun throws shadows, the sky lights all the rest, and surfaces
+hide it from each other. A plant is then one object for each color of its leaves. Without ambient
+occlusion its inside looks flat; with it, but without `inferred_ao`, leaves have bright outlines.
+Figure 6 of McGuire & Mara 2017, "Phenomenological Transparency".
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 
@@ -25,20 +30,36 @@ from oitbench.bake import (
 )
 from oitbench.geometry import (
     divisions,
-    frames,
     grid,
     lathe,
     merge,
+    quad,
     scatter,
     smooth_curve,
     transform,
     translation,
 )
-from oitbench.scene import RGB, WHITE, Camera, Material, Mesh, Object, Scene, Texture
+from oitbench.leaves import (
+    Leaves,
+    Plant,
+    blossom,
+    lance,
+    leaf_card,
+    lobed,
+    mask_of,
+    ovate,
+    place_leaves,
+)
+from oitbench.lights import DirectionalLight
+from oitbench.scene import RGB, WHITE, Camera, Material, Mesh, Object, Scene
 from oitbench.selector import Parameter
+from oitbench.skies import gradient_sky
 
 parameters = {
     "detail": Parameter(1.0, low=0.0, high=100.0, help="factor on the number of leaves"),
+    "light": Parameter(
+        "baked", choices=("baked", "sky"), help="baked into radiance, or real sun and sky"
+    ),
     "seed": Parameter(1, low=0, help="seed of the leaves"),
 }
 
@@ -50,61 +71,20 @@ SUN = Rig(
 )
 SUN_SPREAD = math.radians(5)
 BACKGROUND: RGB = (0.60, 0.52, 0.42)
+# Irradiance of the sun under light=sky, the sky around it, and how far surfaces hide that, metres.
+SUNLIGHT: RGB = (1.5, 1.3, 1.0)
+SKY = ((-90.0, (0.30, 0.25, 0.19)), (-5.0, (0.50, 0.46, 0.41)), (90.0, (0.95, 1.05, 1.20)))
+OCCLUSION = 0.3
 WALL = -0.55
-TEXTURE_SIDE = 128
-BORDER = 4
-SUBSAMPLES = 4
-# How far the halves of a leaf fold up along its midrib, and how much its tip bends down.
-FOLD, BEND = 0.45, 0.22
-
-
-def _ovate(x: Floats, y: Floats) -> Floats:
-    """Return > 0 inside an egg-shaped leaf with a pointed tip; x and y run over [−1, 1]."""
-    along = np.clip(0.5 + 0.5 * y, 0, 1)
-    return np.asarray(1.35 * along**0.62 * (1 - along) ** 0.75 - np.abs(x))
-
-
-def _lance(x: Floats, y: Floats) -> Floats:
-    """Return > 0 inside a slender leaf, pointed at both ends."""
-    return np.asarray(0.9 * np.cos(0.5 * math.pi * np.clip(y, -1, 1)) ** 1.2 - np.abs(x))
-
-
-def _lobed(x: Floats, y: Floats) -> Floats:
-    """Return > 0 inside a five-lobed leaf like that of ivy, with its stalk at the bottom."""
-    angle = np.arctan2(x, y + 0.25)
-    reach = 0.72 + 0.16 * np.cos(5 * angle) + 0.17 * np.cos(angle)
-    return np.asarray(np.where(y > -1, reach - np.hypot(x, y + 0.25), -1))
-
-
-def _blossom(x: Floats, y: Floats) -> Floats:
-    """Return > 0 inside a flower of five round petals."""
-    return np.asarray(0.74 + 0.24 * np.cos(5 * np.arctan2(x, y)) - np.hypot(x, y))
-
-
-@dataclass(frozen=True)
-class Plant:
-    """A cloud of leaves in an ellipsoid of half axes `size` round `center`, in metres.
-
-    `leaf` is half the width and half the length of a card, `hollow` the innermost place of a leaf
-    as a fraction of the ellipsoid, and `droop` how strongly the tips hang.
-    """
-
-    name: str
-    center: RGB
-    size: RGB
-    mask: Callable[[Floats, Floats], Floats]
-    leaf: tuple[float, float]
-    count: int
-    colors: tuple[RGB, ...]
-    hollow: float = 0.5
-    droop: float = 0.4
+COURT = (7.0, 3.2)  # half the width of floor and wall, half the height of the wall, metres
+FLOOR, PLASTER, CLAY = (0.70, 0.62, 0.53), (0.88, 0.75, 0.58), (0.80, 0.40, 0.24)
 
 
 LAUREL = Plant(
     "laurel",
     center=(-0.57, 0.82, -0.02),
     size=(0.40, 0.42, 0.40),
-    mask=_ovate,
+    mask=ovate,
     leaf=(0.034, 0.060),
     count=1500,
     colors=((0.06, 0.22, 0.08), (0.13, 0.36, 0.10), (0.32, 0.52, 0.13)),
@@ -113,7 +93,7 @@ IVY = Plant(
     "ivy",
     center=(0.06, 0.47, 0.34),
     size=(0.38, 0.27, 0.34),
-    mask=_lobed,
+    mask=lobed,
     leaf=(0.052, 0.052),
     count=900,
     colors=((0.05, 0.25, 0.17), (0.14, 0.43, 0.24), (0.48, 0.64, 0.30)),
@@ -123,7 +103,7 @@ OLEANDER = Plant(
     "oleander",
     center=(0.60, 1.02, -0.06),
     size=(0.36, 0.60, 0.36),
-    mask=_lance,
+    mask=lance,
     leaf=(0.018, 0.092),
     count=1800,
     colors=((0.10, 0.25, 0.12), (0.22, 0.42, 0.18), (0.44, 0.56, 0.26)),
@@ -133,7 +113,7 @@ OLEANDER = Plant(
 BLOSSOMS = replace(
     OLEANDER,
     name="blossoms",
-    mask=_blossom,
+    mask=blossom,
     leaf=(0.034, 0.034),
     count=150,
     colors=((0.82, 0.16, 0.36), (0.93, 0.36, 0.52), (0.96, 0.62, 0.70)),
@@ -148,67 +128,63 @@ POTS: dict[str, tuple[RGB, float, float]] = {
 }
 
 
-def build(*, name: str, detail: float, seed: int) -> Scene:
+def build(*, name: str, detail: float, light: str, seed: int) -> Scene:
     """Return wall, floor, pots and plants."""
     camera = Camera(position=(0.25, 1.15, 4.3), target=(0.03, 0.75, 0.0), fov_y=math.radians(27.5))
+    if light == "sky":
+        x, y, z = SUN.toward_key
+        lights = (DirectionalLight((-x, -y, -z), SUNLIGHT), gradient_sky(SKY))
+        lit = _lit(detail, seed)
+        return Scene(name, camera, lit, lights=lights, ambient_occlusion=OCCLUSION)
     objects = [Object("courtyard", _courtyard(detail), Material(emission=WHITE))]
     for plant in PLANTS:
         objects.append(
-            Object(f"pot of {plant.name}", _pot(plant, detail), Material(emission=WHITE))
+            Object(f"pot of {plant.name}", _shaded_pot(plant, detail), Material(emission=WHITE))
         )
-    for stream, plant in enumerate((*PLANTS, BLOSSOMS)):
-        # A stream of its own, so that no plant changes with the others' numbers of leaves.
-        random = np.random.default_rng([seed, stream])
-        material = Material(coverage=_mask(plant), emission=WHITE, binary_coverage=True)
-        objects.append(Object(plant.name, _leaves(plant, random, detail), material))
+    for plant, random in _streams(seed):
+        material = Material(coverage=mask_of(plant), emission=WHITE, binary_coverage=True)
+        objects.append(
+            Object(plant.name, _shaded_leaves(plant, place_leaves(plant, random, detail)), material)
+        )
     return Scene(name=name, camera=camera, objects=tuple(objects), background=BACKGROUND)
 
 
-def _mask(plant: Plant) -> Texture:
-    """Return the leaf's outline, averaged from subsamples, inside an empty border."""
-    side = TEXTURE_SIDE * SUBSAMPLES
-    line = ((np.arange(side) + 0.5) / side * 2 - 1) / (1 - 2 * BORDER / TEXTURE_SIDE)
-    x, y = np.meshgrid(line, line[::-1])
-    inside = (plant.mask(x, y) > 0) & (np.maximum(np.abs(x), np.abs(y)) <= 1)
-    blocks = inside.reshape(TEXTURE_SIDE, SUBSAMPLES, TEXTURE_SIDE, SUBSAMPLES)
-    return Texture(blocks.mean(axis=(1, 3)).astype(np.float32))
+def _lit(detail: float, seed: int) -> tuple[Object, ...]:
+    """Return all objects with what they reflect instead of what shines from them."""
+    wide, high = COURT
+    floor = quad((0, 0, WALL + 2.2), (wide, 0, 0), (0, 0, -2.2))
+    wall = quad((0, high, WALL), (wide, 0, 0), (0, high, 0))
+    objects = [
+        Object("floor", floor, Material(albedo=FLOOR), casts=False),
+        Object("wall", wall, Material(albedo=PLASTER), casts=False),
+    ]
+    for plant in PLANTS:
+        objects.append(Object(f"pot of {plant.name}", _pot(plant, detail), Material(albedo=CLAY)))
+    for plant, random in _streams(seed):
+        leaves, mask = place_leaves(plant, random, detail), mask_of(plant)
+        shades = np.round(leaves.shades * (len(plant.colors) - 1)).astype(int)
+        for number, color in enumerate(plant.colors):
+            chosen = leaves.placements[shades == number]
+            if len(chosen):
+                material = Material(coverage=mask, albedo=color, binary_coverage=True)
+                objects.append(
+                    Object(f"{plant.name} {number}", scatter(leaf_card(), chosen), material)
+                )
+    return tuple(objects)
 
 
-def _card() -> Mesh:
-    """Return a leaf of half-size 1 in the xy plane, folded along its midrib and bent lengthwise."""
-    halves = []
-    for side in (-1.0, 1.0):
-        half = grid((0.5 * side, 0, 0), (0.5, 0, 0), (0, 1, 0), 1, 2)
-        x, y = half.positions[:, 0], half.positions[:, 1]
-        bent = np.stack([x, y, FOLD * np.abs(x) - BEND * y**2], axis=1)
-        normals = np.stack([np.full_like(x, -FOLD * side), 2 * BEND * y, np.ones_like(x)], axis=1)
-        normals /= np.linalg.norm(normals, axis=1, keepdims=True)
-        uvs = 0.5 + 0.5 * half.positions[:, :2]
-        halves.append(replace(half, positions=bent, normals=normals, uvs=uvs))
-    return merge(halves)
+def _streams(seed: int) -> Iterator[tuple[Plant, np.random.Generator]]:
+    """Yield each plant with numbers of its own: none changes with how many leaves others have."""
+    for stream, plant in enumerate((*PLANTS, BLOSSOMS)):
+        yield plant, np.random.default_rng([seed, stream])
 
 
-def _leaves(plant: Plant, random: np.random.Generator, detail: float) -> Mesh:
-    """Return the plant's cards: tips outwards and drooping, upper sides towards the sky."""
-    count = max(8, round(plant.count * detail))
-    outward = random.normal(size=(count, 3))
-    outward /= np.linalg.norm(outward, axis=1, keepdims=True)
-    lumps = 1 + 0.10 * np.sin(outward @ np.array([4.1, 5.7, 3.2]) + 0.5)
-    depth = plant.hollow + (1 - plant.hollow) * random.random(count) ** 0.6
-    places = depth[:, None] * outward
-    centers = np.asarray(plant.center) + np.asarray(plant.size) * places * lumps[:, None]
-    tips = outward - plant.droop * np.array([0.0, 1.0, 0.0]) + 0.5 * random.normal(size=(count, 3))
-    upper = 0.6 * outward + np.array([0.0, 0.7, 0.15]) + 0.4 * random.normal(size=(count, 3))
-    tips /= np.linalg.norm(tips, axis=1, keepdims=True)
-    rights = np.cross(tips, upper)
-    rights /= np.linalg.norm(rights, axis=1, keepdims=True)
-    # Fewer leaves are larger ones, so that the plants stay as dense.
-    scale = random.uniform(0.75, 1.2, (count, 1)) * max(1.0, math.sqrt(plant.count / count))
-    width, length = plant.leaf
-    card = _card()
-    cards = scatter(card, frames(centers, scale * width * rights, scale * length * tips))
-    color = tint(random.random(count) ** 1.3, plant.colors)
-    shade = _leaf_shade(plant, normals_of(cards), places.repeat(len(card.positions), axis=0))
+def _shaded_leaves(plant: Plant, leaves: Leaves) -> Mesh:
+    """Return the plant's cards with light baked in."""
+    card = leaf_card()
+    cards = scatter(card, leaves.placements)
+    color = tint(leaves.shades, plant.colors)
+    shade = _leaf_shade(plant, normals_of(cards), leaves.places.repeat(len(card.positions), axis=0))
     return with_radiance(cards, color.repeat(len(card.positions), axis=0) * shade)
 
 
@@ -229,9 +205,14 @@ def _pot(plant: Plant, detail: float) -> Mesh:
     outline = [(0, 0), (0.7, 0), (0.72, 0.04), (0.95, 0.8), (0.95, 0.8), (1.04, 0.8), (1.04, 0.82)]
     outline += [(1.04, 1), (1.0, 1), (0.94, 1), (0.94, 0.93), (0, 0.93)]
     profile = smooth_curve(np.asarray(outline) * [radius, height], divisions(80, detail, 20))
-    pot = transform(lathe(profile, divisions(64, detail, 12)), translation(foot))
+    return transform(lathe(profile, divisions(64, detail, 12)), translation(foot))
+
+
+def _shaded_pot(plant: Plant, detail: float) -> Mesh:
+    """Return a plant's pot with light baked in."""
+    pot = _pot(plant, detail)
     points, normals = pot.positions.astype(np.float64), normals_of(pot)
-    clay = np.array([0.80, 0.40, 0.24]) * diffuse(normals, SUN, _sunlight(points + 2e-3 * normals))
+    clay = np.array(CLAY) * diffuse(normals, SUN, _sunlight(points + 2e-3 * normals))
     below = np.clip((points[:, 1:2] - 0.02) / 0.2, 0, 1)
     return with_radiance(pot, clay * (0.6 + 0.4 * below))
 
@@ -239,11 +220,11 @@ def _pot(plant: Plant, detail: float) -> Mesh:
 def _courtyard(detail: float) -> Mesh:
     """Return floor and wall in one sheet, shaded by the plants and their pots."""
     columns, rows = divisions(140, detail, 24), divisions(120, detail, 20)
-    wide, wall = 7.0, 3.2
+    wide, wall = COURT
     floor = grid((0, 0, WALL + 2.2), (wide, 0, 0), (0, 0, -2.2), columns, rows)
     back = grid((0, wall, WALL), (wide, 0, 0), (0, wall, 0), columns, rows)
     sheets = []
-    for sheet, paint in ((floor, (0.70, 0.62, 0.53)), (back, (0.88, 0.75, 0.58))):
+    for sheet, paint in ((floor, FLOOR), (back, PLASTER)):
         # Columns and rows crowd where the plants stand.
         points = sheet.positions.astype(np.float64)
         points[:, 0] = wide * (0.22 * points[:, 0] / wide + 0.78 * (points[:, 0] / wide) ** 5)
