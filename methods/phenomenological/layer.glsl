@@ -1,9 +1,13 @@
 // What one layer adds to the targets (McGuire & Mara 2017, sections 4.3 to 4.5 and listing 1).
 #include "model.glsl"
 
-// Linear distance of a window depth, m; infinite for an empty pixel behind an infinite far plane.
-float view_distance(float depth) {
-    return near_plane / max(1.0 - depth * (1.0 - near_plane / far_plane), 1e-30);
+// Focal length in pixels of the frame, also where a texel stands for a block of them.
+float focal_length() {
+#ifdef SMALL
+    return pixel_focal * float(SUBSAMPLE);
+#else
+    return pixel_focal;
+#endif
 }
 
 // Equation 5, or that of the authors' engine.
@@ -20,7 +24,7 @@ float depth_weight(float opacity, float depth) {
 // Variance of the blur, in stored units: the square of equation 7, in pixels.
 float blur_variance(float distance, float behind, float collimation, float part) {
     float spread = 1.0 - K1 / (K1 + abs(behind - distance));
-    float blur = pixel_focal * K0 * (1.0 - collimation) * part * spread / max(distance, 1e-6);
+    float blur = focal_length() * K0 * (1.0 - collimation) * part * spread / max(distance, 1e-6);
     return (blur / UNIT) * (blur / UNIT);
 }
 
@@ -47,5 +51,5 @@ vec2 refraction_offset(Fragment fragment, float behind) {
 #endif
     vec3 target = position + reach * bent / abs(bent.z);
     // Differences first: both projections are large beside their distance.
-    return pixel_focal * (target.xy / -target.z - position.xy / -position.z);
+    return focal_length() * (target.xy / -target.z - position.xy / -position.z);
 }

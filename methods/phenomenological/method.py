@@ -27,6 +27,10 @@ offset : weight of a layer's refraction: its coverage `alpha`, `net` opacity, or
 reach : distance behind a surface of the plane that a bent ray is followed to: `background`, the
     opaque surface at the pixel, or `paper`, 2 m.
 radius : of the blur at most, in pixels; its cost grows with the square.
+subsample : pixels along each side of the blocks that particles (`Object.particles`) are accumulated
+    for, in targets of their own; a joint bilateral filter spreads these over the frame before the
+    resolve, and what is finer than a block is lost. All else, fog too, keeps the frame's
+    resolution. 1 is without: no target, no pass.
 precision : `paper` has 16, 8, and 8 bits a channel of A, of beta and D, and of d; with 8 bits the
     smallest blur is 3.95 pixels, and offsets have steps of half a pixel and end at 63 pixels.
     `half` and `float` have that for all targets, and `float` also for the final color.
@@ -39,22 +43,37 @@ resolution; variances add, not deviations; the bent ray is Snell's; offsets are 
 by 63 pixels; self-modulation is TVCG's, under which opaque layers keep their brightness.
 
 Known failures: behind several tinted layers 8 bits hold beta to one part in three, and so S depends
-on the order of the draws; a layer of colored transmission tints its own reflection by (1 - t) / (1 - mean t),
-and a perfectly clear one loses highlights, emission and refraction where beta rounds to one; front
-layers of alpha = 1 do not hide the color of transparent layers behind them; transparent layers do
-not bend or blur each other; what lies beyond the edge of the picture cannot be seen in a bend. w
-reaches its clamps beyond 86 near-plane distances, where all layers weigh the same: hair comes out
-as unordered blending does.
+on the order of the draws; a layer of colored transmission tints its own reflection by (1 - t) / (1
+- mean t), and a perfectly clear one loses highlights, emission and refraction where beta rounds to
+one; front layers of alpha = 1 do not hide the color of transparent layers behind them; transparent
+layers do not bend or blur each other; what lies beyond the edge of the picture cannot be seen in a
+bend. w reaches its clamps beyond 86 near-plane distances, where all layers weigh the same: hair
+comes out as unordered blending does.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
-from oitbench import ADD, REPLACE, Blend, Draws, Effect, Factor, Method, Parameter, Pass, Target
+from oitbench import (
+    ADD,
+    REPLACE,
+    Blend,
+    Draws,
+    Effect,
+    Factor,
+    Method,
+    Objects,
+    Parameter,
+    Pass,
+    Target,
+)
 
 BACKGROUND = Blend(
     Factor.ZERO, Factor.ONE_MINUS_SOURCE_COLOR, source_alpha=Factor.ONE, target_alpha=Factor.ONE
 )
 """Colors attenuate the target, as the background is; variances of blur in alpha add up."""
+GATHERED = {"accum": ADD, "beta": BACKGROUND, "delta": ADD, "bending": ADD}
+"""How what layers add meets each target."""
 
 
 class Phenomenological(Method):
@@ -79,6 +98,9 @@ class Phenomenological(Method):
             "background", choices=("background", "paper"), help="where bent rays end"
         ),
         "radius": Parameter(16, low=1, high=256, help="of the blur at most, pixels"),
+        "subsample": Parameter(
+            1, choices=(1, 2, 4), help="pixels a side of the blocks that particles are rendered in"
+        ),
         "steps": Parameter(32, low=1, high=4096, help="of the march through a medium"),
         "precision": Parameter(
             "paper", choices=("paper", "half", "float"), grid=("paper", "half"), help="of targets"
@@ -109,18 +131,68 @@ class Phenomenological(Method):
         }
         if self.values["offset"] == "normalized":
             targets["bending"] = Target(covered, when=Effect.REFRACTION)
-        return targets
+        return {**targets, **self._small_targets(targets)}
+
+    def _small_targets(self, targets: Mapping[str, Target]) -> dict[str, Target]:
+        """Return what particles are accumulated in, if that has a resolution of its own."""
+        subsample = int(self.values["subsample"])
+        if subsample == 1:
+            return {}
+        small = {
+            "distance": Target("r32f", subsample=subsample),
+            "depth": Target("depth32f", clear=(1.0,), subsample=subsample),
+        }
+        small |= {k: replace(targets[k], subsample=subsample) for k in GATHERED if k in targets}
+        return {f"small_{name}": target for name, target in small.items()}
+
+    @staticmethod
+    def _small_passes(gathered: Sequence[str]) -> tuple[Pass, ...]:
+        """Return what comes before all else: the particles, before what is opaque."""
+        return (
+            Pass(
+                "shrink_depth.glsl",
+                Draws.PIXELS,
+                reads=("opaque_depth",),
+                writes={"small_distance": REPLACE},
+                depth="small_depth",
+                objects=Objects.PARTICLES,
+            ),
+            Pass(
+                "gather.glsl",
+                Draws.FRAGMENTS,
+                reads=("small_distance",),
+                writes={f"small_{name}": GATHERED[name] for name in gathered},
+                tests="small_depth",
+                defines={"SMALL": 1},
+                objects=Objects.PARTICLES,
+            ),
+        )
+
+    @staticmethod
+    def _spread(gathered: Sequence[str]) -> tuple[Pass, ...]:
+        """Return what adds the particles to the other layers."""
+        return (
+            Pass(
+                "upsample.glsl",
+                Draws.PIXELS,
+                reads=(*(f"small_{name}" for name in gathered), "small_distance", "opaque_depth"),
+                writes={name: GATHERED[name] for name in gathered},
+                objects=Objects.PARTICLES,
+            ),
+        )
 
     @property
     def passes(self) -> tuple[Pass, ...]:
-        gathered = [name for name in self.targets if name != "color"]
-        blends = {"beta": BACKGROUND}
+        gathered = [name for name in GATHERED if name in self.targets]
+        mixed = self.values["subsample"] != 1
         return (
+            *(self._small_passes(gathered) if mixed else ()),
             Pass(
                 "gather.glsl",
                 Draws.FRAGMENTS,
                 reads=("opaque_depth",),
-                writes={name: blends.get(name, ADD) for name in gathered},
+                writes={name: GATHERED[name] for name in gathered},
+                objects=Objects.OTHERS if mixed else Objects.ALL,
             ),
             Pass(
                 "fog.glsl",
@@ -129,6 +201,7 @@ class Phenomenological(Method):
                 writes={"accum": ADD, "beta": BACKGROUND},
                 when=Effect.VOLUME,
             ),
+            *(self._spread(gathered) if mixed else ()),
             Pass(
                 "resolve.glsl",
                 Draws.PIXELS,

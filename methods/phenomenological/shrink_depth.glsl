@@ -1,0 +1,11 @@
+// What is opaque, at one pixel of each block: no mean, which would lie where no surface is.
+#include "model.glsl"
+
+void resolve() {
+    ivec2 block = ivec2(gl_FragCoord.xy) * SUBSAMPLE;
+    // One at the block's center; the frame may end before it.
+    ivec2 full = textureSize(opaque_depth_texture, 0);
+    float depth = read_opaque_depth(min(block + SUBSAMPLE / 2, full - 1));
+    gl_FragDepth = depth;
+    small_distance = view_distance(depth);
+}
