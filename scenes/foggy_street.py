@@ -122,7 +122,6 @@ def build(*, name: str, detail: float, seed: int, extinction: float, collimation
         objects=objects,
         lights=(*_beams(), EnvironmentLight(NIGHT)),
         medium=fog,
-        exposure=0.0,
     )
 
 

@@ -70,6 +70,7 @@ def build(*, name: str, detail: float, extinction: float) -> Scene:
         camera=Camera(position=(-1.7, 1.7, 2.4), target=(0.5, 2.35, -7.0), fov_y=math.radians(56)),
         objects=(*_hall(detail), *_furniture(detail), *_stained_glass()),
         lights=(SUN, EnvironmentLight(SKY)),
+        exposure=0.5,
         medium=fog,
     )
 

@@ -351,6 +351,16 @@ def test_an_arch_is_open_below() -> None:
         assert len(met(bay, (x, y + 0.013, 5), (0, 0, -1))) == hits
 
 
+def test_reveals_face_into_their_openings() -> None:
+    for bay, middle in ((arch(3, 2, 2, 0.5, 24), 0), (window_wall(3, 6, 0.5, 1.2, 1, 4, 24), 3)):
+        assert bay.normals is not None
+        reveal = bay.normals[:, 2] == 0
+        inward = np.array([0, middle, 0]) - bay.positions[reveal]
+        # The springing line of an arch lies in the plane of its middle, and faces down.
+        assert (np.einsum("ij,ij->i", inward, bay.normals[reveal]) > -1e-6).all()
+        assert reveal.sum() >= 4 * 24
+
+
 def test_letters_without_a_glyph_are_refused() -> None:
     with pytest.raises(ValueError, match="glyph for Q"):
         lettering("QUIET", (0, 0, 0), 0.2, 0.03)
