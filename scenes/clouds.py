@@ -22,7 +22,7 @@ parameters = {
     "detail": Parameter(
         1.0, low=0.0, high=100.0, help="factor on the number of particles; thickness stays the same"
     ),
-    "alpha": Parameter(0.45, low=0.0, high=1.0, help="coverage at a particle's middle at detail 1"),
+    "alpha": Parameter(0.25, low=0.0, high=1.0, help="coverage at a particle's middle at detail 1"),
     "seed": Parameter(1, low=0, help="seed of the particles"),
 }
 
@@ -56,7 +56,7 @@ CLOUDS = (
 PARTICLE_RADII = (0.20, 0.38)  # in units of the cloud's scale
 FLATNESS = 0.75  # of the lobes' heights
 SUNWARD: RGB = (-0.70, 0.72, 0.06)
-SUN: RGB = (9.5, 8.9, 8.0)  # irradiance
+SUN: RGB = (10.5, 9.8, 8.8)  # irradiance
 SKY = (
     (-30.0, (0.16, 0.19, 0.20)),
     (-1.0, (0.36, 0.42, 0.46)),
