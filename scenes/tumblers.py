@@ -87,7 +87,7 @@ def build(*, name: str, detail: float) -> Scene:
             SpotLight(
                 position=(-1.6, 6.0, -4.5),
                 target=(0, 0, 0.3),
-                intensity=(140.0, 135.0, 125.0),
+                intensity=(118.0, 114.0, 106.0),
                 angle=math.radians(50),
             ),
             EnvironmentLight(_room()),
