@@ -17,9 +17,9 @@ import numpy as np
 from oitbench.geometry import (
     Floats,
     divisions,
-    grid,
     lathe,
     merge,
+    quad,
     smooth_curve,
     transform,
     translation,
@@ -37,14 +37,14 @@ parameters = {
 WALL = 0.0025
 # The bottles stand off the table by a millimetre: coincident surfaces have no right picture.
 GAP = 0.001
-TABLE_WIDTH = 4.0
+TABLE = 30.0  # half of its sides, metres: its edge is the horizon
 # The lamp stands behind the bottles, so that their shadows fall towards the viewer.
 LAMP_DIRECTION: RGB = (0.62, -1.0, 0.62)
 LAMP: RGB = (2.1, 2.0, 1.8)  # irradiance
 ROOM = (
     (-90.0, (0.40, 0.39, 0.37)),
-    (0.0, (0.48, 0.52, 0.56)),
-    (30.0, (0.62, 0.70, 0.78)),
+    (0.0, (0.66, 0.70, 0.72)),
+    (14.0, (0.44, 0.55, 0.64)),
     (90.0, (0.34, 0.38, 0.44)),
 )
 PAPER = Material(albedo=(0.80, 0.77, 0.72), specular=0.0)
@@ -108,7 +108,7 @@ def build(*, name: str, detail: float, coverage: float) -> Scene:
     camera = Camera(
         position=(0.03, 0.25, 0.98), target=(0.002, 0.142, 0.0), fov_y=math.radians(23.5)
     )
-    objects = [Object("table", _table(detail), PAPER, casts=False)]
+    objects = [Object("table", quad((0, 0, 0), (TABLE, 0, 0), (0, 0, -TABLE)), PAPER, casts=False)]
     for bottle in BOTTLES:
         objects.append(Object(bottle.name, _walls(bottle, detail), _plastic(bottle, coverage)))
         cap = Material(albedo=_shade(bottle, 0.75, 3, 0.05), specular=0.04, roughness=0.35)
@@ -163,16 +163,3 @@ def _cap(bottle: Bottle, detail: float) -> Mesh:
     )
     slices = divisions(64, detail, 8)
     return transform(merge([lathe(side, slices), lathe(lid, slices)]), translation(bottle.foot))
-
-
-def _table(detail: float) -> Mesh:
-    """Return a sheet that lies as the table and bends up into the backdrop."""
-    corners = [(0.6, 0), (-0.45, 0), (-0.95, 0), (-0.95, 0.6), (-0.95, 1.8)]
-    path = smooth_curve(corners, divisions(96, detail, 12))
-    z, y = np.repeat(path, 2, axis=0).T
-    sheet = grid((0, 0, 0), (TABLE_WIDTH / 2, 0, 0), (0, 0, -1), 1, len(path) - 1)
-    positions = np.stack([sheet.positions[:, 0], y, z], axis=1)
-    slope = np.repeat(np.gradient(path, axis=0), 2, axis=0)
-    normals = np.stack([np.zeros(len(slope)), -slope[:, 0], slope[:, 1]], axis=1)
-    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
-    return Mesh(positions.astype(np.float32), sheet.triangles, normals=normals.astype(np.float32))
