@@ -19,7 +19,7 @@ from oitbench.selector import Parameter
 
 parameters = {
     "detail": Parameter(1.0, low=0.0, high=100.0, help="factor on the triangles of a surface"),
-    "extinction": Parameter(0.05, low=0.0, high=10.0, help="of the fog, per metre"),
+    "extinction": Parameter(0.035, low=0.0, high=10.0, help="of the fog, per metre"),
 }
 
 # Metres. The court lies along -z, between arcades whose columns stand at x = ±COURT.

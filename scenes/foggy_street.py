@@ -38,7 +38,7 @@ Floats = npt.NDArray[np.float64]
 parameters = {
     "detail": Parameter(1.0, low=0.0, high=100.0, help="factor on the triangles of a surface"),
     "seed": Parameter(1, low=0, help="seed of the windows that are lit, and of the leaves"),
-    "extinction": Parameter(0.11, low=0.0, high=1.0, help="of the thickest fog, per metre"),
+    "extinction": Parameter(0.09, low=0.0, high=1.0, help="of the thickest fog, per metre"),
     "collimation": Parameter(0.0, low=0.0, high=1.0, help="of the fog; 1 for no blur"),
 }
 

@@ -21,7 +21,7 @@ from oitbench.selector import Parameter
 
 parameters = {
     "detail": Parameter(1.0, low=0.0, high=100.0, help="factor on the triangles of a surface"),
-    "collimation": Parameter(0.8, low=0.0, high=1.0, help="of the pane; 1 for clear glass"),
+    "collimation": Parameter(0.85, low=0.0, high=1.0, help="of the pane; 1 for clear glass"),
 }
 
 # The pane lies in the plane z = 0, the corridor behind it reaches to z = -DEPTH; metres.
@@ -32,9 +32,9 @@ LETTER_GAP = 0.012
 WOMAN: RGB = (0.34, 0.0, -0.40)
 MAN: RGB = (-0.62, 0.0, -2.4)
 PALM: RGB = (0.01, 1.40, -0.045)
-WINDOW: RGB = (-0.18, 1.58, -DEPTH + 0.01)
-WINDOW_SIZE = (0.62, 0.62)
-BLINDS = 7
+WINDOW: RGB = (-0.15, 1.34, -DEPTH + 0.01)
+WINDOW_SIZE = (0.62, 0.47)
+BLINDS = 6
 DUSK: RGB = (0.006, 0.008, 0.012)
 
 GLASS = Material(transmission=(0.86, 0.90, 0.87), specular=0.04, roughness=0.0)
