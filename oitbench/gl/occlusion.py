@@ -27,7 +27,7 @@ PLANES, STEPS = 2, 6
 """Planes through the view ray in which a pixel looks for horizons, and steps to either side."""
 _AROUND = 9
 """Depths that a pixel reads to find its place and its normal."""
-_PATTERN = 16
+_PATTERN = 25
 """Pixels that the filter averages."""
 _TARGETS = {
     "occluders": Target("depth32f", clear=(1.0,)),
@@ -92,7 +92,7 @@ class Occlusion:
     # -- preparation ---------------------------------------------------------------------------
 
     def _compile(self, geometry: Geometry) -> None:
-        radius = {"RADIUS_MICROMETRES": round(1e6 * geometry.scene.ambient_occlusion)}
+        radius = {"RADIUS_MICROMETRES": _micrometres(geometry.scene.ambient_occlusion)}
         for batch, defines in ((geometry.opaque, {}), (geometry.cutouts, {"INTERIOR": 1})):
             step = Pass("opaque_map.glsl", Draws.FRAGMENTS, depth="occluders", defines=defines)
             self._add("occluders", step, "occluders", {}, batch)
@@ -194,6 +194,11 @@ class Occlusion:
         for texture in self._targets.values():
             texture.release()
         self._view.release()
+
+
+def _micrometres(radius: float) -> int:
+    """Return a radius in metres as a positive integer that GLSL can hold."""
+    return min(max(round(1e6 * radius), 1), 2**31 - 1)
 
 
 def occlusion_of(

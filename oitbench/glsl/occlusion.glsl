@@ -7,8 +7,7 @@
 #include "occlusion_depth.glsl"
 
 const float RADIUS = 1e-6 * float(RADIUS_MICROMETRES);   // m
-const float WIDEST = 512.0;        // pixels of the frame that a search spans at most
-const float QUARTER = 1.57079632679490;   // of a turn, radians
+const float QUARTER = 1.57079632679490;                  // of a turn, radians
 
 // Camera space, m.
 vec3 place_of(ivec2 pixel, float depth) {
@@ -35,7 +34,7 @@ vec3 change_along(ivec2 pixel, ivec2 axis, float depth) {
 struct Slice {
     vec3 view;     // unit, toward the eye
     vec3 axis;     // unit, normal to the plane
-    vec3 aside;    // along the surface, by one along `axis`
+    vec3 aside;    // along the surface, by one along `axis` and by none across the picture
 };
 
 // Cosine between the view and the highest horizon in one direction, no lower than `lowest`. Within
@@ -55,8 +54,8 @@ float horizon(ivec2 pixel, vec3 here, Slice slice, vec2 direction, float reach, 
             vec3 offset = place_of(at, depth) - here;
             float distance = length(offset);
             float weight = clamp(2.0 - 2.0 * distance / RADIUS, 0.0, 1.0);
-            // Pixels lie beside the plane; they are moved into it along the surface, which so
-            // never hides itself.
+            // Pixels lie a little beside the plane; moved into it along the surface, those of the
+            // surface stay on it, and it does not hide itself.
             vec3 moved = offset - slice.aside * dot(offset, slice.axis);
             float cosine = dot(moved, slice.view) / max(length(moved), 1e-9);
             highest = max(highest, mix(lowest, cosine, weight));
@@ -79,7 +78,7 @@ void resolve() {
     vec3 normal = cross(change_along(pixel, ivec2(1, 0), depth),
                         change_along(pixel, ivec2(0, 1), depth));
     normal = normalize(dot(normal, view) < 0.0 ? -normal : normal);
-    float reach = min(RADIUS * pixel_focal / -here.z, WIDEST);
+    float reach = RADIUS * pixel_focal / -here.z;
     // 16 directions and four first steps, each in every block of 4 x 4 pixels: what is left of the
     // pattern, the filter takes away.
     float turn = float((((pixel.x + pixel.y) & 3) << 2) + (pixel.x & 3)) / 16.0;
@@ -95,7 +94,8 @@ void resolve() {
         if (size <= 1e-3) {
             continue;
         }
-        Slice slice = Slice(view, axis, (axis - normal * dot(normal, axis)) / (size * size));
+        vec3 aside = axis - view * dot(normal, axis) / max(dot(normal, view), 1e-4);
+        Slice slice = Slice(view, axis, aside);
         float n = atan(dot(projected, tangent), dot(projected, view));
         // Angles grow along `direction`; no horizon is below the surface itself.
         float high = acos(clamp(horizon(pixel, here, slice, direction, reach, start,

@@ -1,4 +1,5 @@
-// Averages openness over the 4 x 4 pixels of its pattern, on the surface that each pixel shows.
+// Averages openness over its pattern of 4 x 4 pixels, on the surface that each pixel shows. The box
+// is centered: the fifth row is the first one of the next pattern, and each counts half.
 #include "occlusion_depth.glsl"
 
 // Part of the radius by which a pixel's distance may differ until it does not count at all.
@@ -13,12 +14,15 @@ void resolve() {
     }
     float z = surface_distance(depth);
     float sum = 0.0, weights = 0.0;
-    for (int k = 0; k < 16; ++k) {
-        ivec2 at = clamp(pixel + ivec2(k & 3, k >> 2) - 1, ivec2(0), last);
-        float away = abs(surface_distance(read_occluders(at)) - z);
-        float weight = max(1.0 - away / (SAME * RADIUS), 0.0);
-        sum += weight * read_raw(at);
-        weights += weight;
+    for (int y = -2; y <= 2; ++y) {
+        for (int x = -2; x <= 2; ++x) {
+            ivec2 at = clamp(pixel + ivec2(x, y), ivec2(0), last);
+            float away = abs(surface_distance(read_occluders(at)) - z);
+            float weight = max(1.0 - away / (SAME * RADIUS), 0.0);
+            weight *= (abs(x) == 2 ? 0.5 : 1.0) * (abs(y) == 2 ? 0.5 : 1.0);
+            sum += weight * read_raw(at);
+            weights += weight;
+        }
     }
     openness = sum / weights;
 }
