@@ -19,7 +19,7 @@ from oitbench.gl.view import Projection, light_projection
 from oitbench.lights import PENUMBRA, DirectionalLight, EnvironmentLight, SpotLight
 from oitbench.material import Texture
 
-MAP_SIDE = 2048
+MAP_SIDE = 1024
 """Texels along each side of a light's depth maps; variance maps keep every fourth."""
 Floats = npt.NDArray[np.float64]
 _CASTING = Effect.SHADOWS | Effect.TRANSLUCENT_SHADOWS

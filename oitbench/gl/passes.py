@@ -25,6 +25,9 @@ if TYPE_CHECKING:
 
 Sampled = moderngl.Texture | moderngl.TextureArray | moderngl.Texture3D
 
+_OPAQUE = "opaque_depth"
+"""What passes of fragments test, where there is one and they name no other."""
+
 
 @dataclass(frozen=True)
 class Blueprint:
@@ -197,10 +200,11 @@ def compile_pass(
         program[name] = unit
     depth = None
     # A framebuffer must have something, also where the pass writes nothing but buffers.
-    own = step.depth or step.tests
-    if step.draws is Draws.FRAGMENTS or own is not None or not colors:
+    own = step.depth or step.tests or _OPAQUE
+    fragments = step.draws is Draws.FRAGMENTS and own in blueprint.declared
+    if fragments or own != _OPAQUE or not colors:
         centers = blueprint.samples > 1 and prelude.single(step, blueprint.declared)
-        depth = textures[own or ("opaque_depth_single" if centers else "opaque_depth")]
+        depth = textures["opaque_depth_single" if centers and own == _OPAQUE else own]
     framebuffer = device.context.framebuffer(colors, depth)
     writes_depth = depth_writes or step.depth is not None
     compiled = CompiledPass(
@@ -221,11 +225,11 @@ def _subsample(step: Pass, declared: Mapping[str, Target]) -> int:
         raise DeclarationError(
             f"{step.shader}: `tests` is for passes of fragments that have no `depth`"
         )
-    if not depths and step.draws is Draws.FRAGMENTS:
-        depths = ["opaque_depth"]
+    if not depths and step.draws is Draws.FRAGMENTS and _OPAQUE in declared:
+        depths = [_OPAQUE]
     for name in {*step.writes, *depths} - {*declared}:
         raise DeclarationError(f"{step.shader}: {unknown('target', name, declared)}")
-    for name in {*depths} & {*step.reads} - {"opaque_depth"}:
+    for name in {*depths} & {*step.reads} - {_OPAQUE}:
         raise DeclarationError(f"{step.shader}: reads and tests '{name}' in one pass")
     kinds = {name: declared[name].subsample for name in (*step.writes, *depths)}
     if len({*kinds.values()}) > 1:

@@ -1,8 +1,8 @@
 """The shadow maps of one beam: an opaque one, and variance maps of its colored stochastic shadows.
 
-The chain, per beam and channel of light: draw what transmits light into a depth map, each texel
-with the probability that its light is kept back; turn depths into moments; filter them by a tent of
-15 texels in two passes that keep every fourth texel (McGuire & Mara 2017).
+The chain: draw what transmits light into one depth map a channel, each texel with the probability
+that its light is kept back, all channels at once; turn depths into moments; filter them by a tent
+of 15 texels in two passes that keep every fourth texel (McGuire & Mara 2017).
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import moderngl
 
-from oitbench.declare import REPLACE, Draws, Method, Order, Pass, Target
+from oitbench.declare import MINIMUM, REPLACE, Draws, Method, Order, Pass, Target
 from oitbench.effects import Effect
 from oitbench.gl.device import Device
 from oitbench.gl.geometry import Batch, Geometry
@@ -24,7 +24,7 @@ from oitbench.gl.view import Projection
 
 KEPT = 4
 """Every which texel the filter keeps, along each axis."""
-_DEPTH, _MOMENTS = Target("depth32f", clear=(1.0,)), Target("rg32f", clear=(0.0, 0.0))
+_DEPTH, _MAP, _MOMENTS = Target("depth32f"), Target("r32f"), Target("rg32f")
 _OPAQUE = Pass("opaque_map.glsl", Draws.FRAGMENTS, depth="opaque")
 _SHADER, _TAPS = "shadow_map.glsl", 15
 Moved = tuple[str, str, str, int, int]
@@ -35,14 +35,14 @@ Moved = tuple[str, str, str, int, int]
 class _Draw:
     """One compiled pass with what it draws: a batch's indices, or the screen.
 
-    `writes` names the map that it fills; `reads` tells how many texels of a map one output needs.
+    `writes` names the maps that it fills; `reads` tells how many texels of a map one output needs.
     """
 
     compiled: CompiledPass
     view: moderngl.Buffer
     indices: moderngl.Buffer | None
     clears: bool
-    writes: str
+    writes: tuple[str, ...]
     reads: Mapping[str, int]
 
     @property
@@ -103,10 +103,12 @@ class ShadowMaps:
         side, small = self.side, self.side // KEPT
         sizes = {"opaque": (side, side)} if self.opaque else {}
         if self.channels:
-            sizes |= {"map": (side, side), "moments": (side, side), "across": (small, side)}
+            sizes |= {f"map{k}": (side, side) for k in range(self.channels)}
+            sizes |= {"moments": (side, side), "across": (small, side)}
             sizes |= {f"filtered{k}": (small, small) for k in range(self.channels)}
         for name, size in sizes.items():
-            declared = _DEPTH if name in ("opaque", "map") else _MOMENTS
+            kinds = {"opaque": _DEPTH, "map": _MAP}
+            declared = kinds.get(name.rstrip("012"), _MOMENTS)
             self._declared[name] = declared
             self.textures[name] = self.device.texture(size, declared.texel)
             self._framebuffers[name] = attach(self.device, self.textures[name], declared.texel)
@@ -115,19 +117,26 @@ class ShadowMaps:
 
     def _compile(self) -> None:
         if self.opaque:
-            self._add(_OPAQUE, self._geometry.opaque, "opaque", clears=True)
+            self._add(_OPAQUE, self._geometry.opaque, ("opaque",), clears=True)
             if not self.channels:
                 # Without translucent shadows what keeps back half of the light hides all of it.
                 defines = {"BINARY": 1, "GREY": 1}
                 binary = Pass(_SHADER, Draws.FRAGMENTS, depth="opaque", defines=defines)
-                self._add(binary, self._geometry.casting, "opaque")
+                self._add(binary, self._geometry.casting, ("opaque",))
+        if self.channels:
+            maps = tuple(f"map{k}" for k in range(self.channels))
+            draw = Pass(
+                _SHADER,
+                Draws.FRAGMENTS,
+                writes=dict.fromkeys(maps, MINIMUM),
+                tests="opaque" if self.opaque else None,
+                defines={"GREY": 1} if self.channels == 1 else {},
+            )
+            self._add(draw, self._geometry.casting, maps, clears=True)
         for channel in range(self.channels):
-            self._add_channel(channel)
+            self._add_filters(channel)
 
-    def _add_channel(self, channel: int) -> None:
-        defines = {"GREY": 1} if self.channels == 1 else {}
-        draw = Pass(_SHADER, Draws.FRAGMENTS, depth="map", defines=defines)
-        self._add(draw, self._geometry.casting, "map", clears=True, channel=channel)
+    def _add_filters(self, channel: int) -> None:
         reads = ("map", "opaque") if self.opaque else ("map",)
         convert = Pass(
             "shadow_moments.glsl",
@@ -136,7 +145,9 @@ class ShadowMaps:
             writes={"moments": REPLACE},
             defines={"OPAQUE": 1} if self.opaque else {},
         )
-        self._add(convert, None, "moments", reads=dict.fromkeys(reads, 1))
+        taken = {f"map{channel}" if name == "map" else name: 1 for name in reads}
+        names = {"map": f"map{channel}"}
+        self._add(convert, None, ("moments",), reads=taken, names=names)
         for source, result, defines in (
             ("moments", "across", {"ACROSS": 1}),
             ("across", f"filtered{channel}", {}),
@@ -149,17 +160,16 @@ class ShadowMaps:
                 defines=defines,
             )
             names = {"source": source, "filtered": result}
-            self._add(tent, None, result, reads={source: _TAPS}, names=names)
+            self._add(tent, None, (result,), reads={source: _TAPS}, names=names)
 
     def _add(
         self,
         step: Pass,
         batch: Batch | None,
-        writes: str,
+        writes: tuple[str, ...],
         reads: Mapping[str, int] | None = None,
         clears: bool = False,
         names: Mapping[str, str] | None = None,
-        channel: int = 0,
     ) -> None:
         named = {name: name for name in self.textures} | dict(names or {})
         textures = {name: self.textures[actual] for name, actual in named.items()}
@@ -176,8 +186,7 @@ class ShadowMaps:
             {}, bind({}, False),
         )  # fmt: skip
         compiled = compile_pass(blueprint, step, textures)
-        block = self.projection.block((self.side, self.side), iteration=channel)
-        view = self.device.context.buffer(block)
+        view = self.device.context.buffer(self.projection.block((self.side, self.side)))
         self._views.append(view)
         self._draws.append(_Draw(compiled, view, indices, clears, writes, reads or {}))
 
@@ -205,28 +214,34 @@ class ShadowMaps:
             with query:
                 self._draw(draw)
             self.device.finish()
-            items, size = int(query.samples), self._declared[draw.writes].texel.bytes
+            items = int(query.samples)
             record = records.setdefault(draw.label, PassRecord(draw.label))
             record.runs += 1
             record.fragments += items
             record.milliseconds += 1e3 * (time.perf_counter() - start)
+            moved += self._moved(draw, items)
+        return moved
+
+    def _moved(self, draw: _Draw, items: int) -> list[Moved]:
+        moved: list[Moved] = []
+        for name, texels in draw.reads.items():
+            size = self._declared[name].texel.bytes
+            moved.append((draw.label, name, "read", texels * items, size))
+        for name in draw.writes:
+            size = self._declared[name].texel.bytes
             if draw.clears:
-                moved.append((draw.label, draw.writes, "clear", self.side**2, size))
-            for name, texels in draw.reads.items():
-                texel = self._declared[name].texel.bytes
-                moved.append((draw.label, name, "read", texels * items, texel))
+                moved.append((draw.label, name, "clear", self.side**2, size))
             if draw.indices is not None:
-                moved.append((draw.label, draw.writes, "read", items, size))
-            moved.append((draw.label, draw.writes, "write", items, size))
+                moved.append((draw.label, name, "read", items, size))
+            moved.append((draw.label, name, "write", items, size))
         return moved
 
     def _begin(self, draw: _Draw) -> None:
         area = (0, 0, self.side, self.side)
-        if draw.clears:
-            framebuffer = self._framebuffers[draw.writes]
-            framebuffer.use()
-            framebuffer.scissor = area
-            self.device.clear(0, _DEPTH.texel, _DEPTH.clear)
+        for name in draw.writes if draw.clears else ():
+            self._framebuffers[name].use()
+            self._framebuffers[name].scissor = area
+            self.device.clear(0, self._declared[name].texel, (1.0,))
         draw.compiled.begin(draw.view, area)
 
     @staticmethod

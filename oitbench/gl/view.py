@@ -50,9 +50,7 @@ class Projection:
         """What gives the view distance of (position, 1) by a dot product."""
         return np.asarray(-self.to_camera[2])
 
-    def block(
-        self, size: tuple[int, int], transmittance: bool = False, iteration: int = 0
-    ) -> bytes:
+    def block(self, size: tuple[int, int], transmittance: bool = False) -> bytes:
         """Return the bytes of the block for a picture of `size` (width, height)."""
         width, height = size
         tiles = [math.ceil(side / TILE) for side in size]
@@ -64,7 +62,7 @@ class Projection:
                 np.array(
                     [self.near, self.far, self.focal * height / 2, gain], dtype=np.float32
                 ).tobytes(),
-                np.array([width, height, *tiles, iteration, 0, 0, 0], dtype=np.uint32).tobytes(),
+                np.array([width, height, *tiles, 0, 0, 0, 0], dtype=np.uint32).tobytes(),
                 self.eye.astype(np.float32).tobytes(),
             )
         )
@@ -145,7 +143,12 @@ def _parallel(
     to_clip = np.diag([1 / half[0], 1 / half[1], -2 / (far - near), 1.0])
     to_clip[2, 3] = -(far + near) / (far - near)
     return Projection(
-        _to_camera(axes, eye), to_clip, near, far, 1 / float(half[1]), np.array([*axes[2], 0.0])
+        _to_camera(axes, eye),
+        to_clip,
+        near,
+        far,
+        1 / float(half[:2].max()),
+        np.array([*axes[2], 0.0]),
     )
 
 
@@ -160,11 +163,32 @@ def _conical(
     if far <= 0:
         return None
     near = max(0.9 * nearest, 1e-3 * far)
-    focal = 1 / math.tan(light.angle / 2)
-    to_clip = _perspective(focal, focal, near, far)
+    low, high = _slopes(casters, axes, position, near, math.tan(light.angle / 2))
+    if (low >= high).any():
+        return None
+    middle, half = (low + high) / 2, (high - low) / 2 * (1 + 2 * _MARGIN)
+    to_clip = _perspective(1 / float(half[0]), 1 / float(half[1]), near, far)
+    to_clip[:2, 2] = middle / half  # off center: only what casts is in the map
     return Projection(
-        _to_camera(axes, position), to_clip, near, far, focal, np.array([*position, 1.0])
-    )
+        _to_camera(axes, position), to_clip, near, far, 1 / float(half.max()),
+        np.array([*position, 1.0]),
+    )  # fmt: skip
+
+
+def _slopes(
+    objects: tuple[Object, ...], axes: Floats, position: Floats, near: float, widest: float
+) -> tuple[Floats, Floats]:
+    """Return the least and greatest (x, y) over distance of what lies in a cone's square."""
+    low, high = np.full(2, np.inf), np.full(2, -np.inf)
+    for item in objects:
+        points = (item.mesh.positions.astype(np.float64) - position) @ axes.T
+        distance = -points[:, 2]
+        if (distance < near).any():
+            # Part of it lies behind the light: no bound can be told from its corners.
+            return np.full(2, -widest), np.full(2, widest)
+        slopes = points[:, :2] / distance[:, None]
+        low, high = np.minimum(low, slopes.min(axis=0)), np.maximum(high, slopes.max(axis=0))
+    return np.maximum(low, -widest), np.minimum(high, widest)
 
 
 def _axes_along(back: Floats) -> Floats:

@@ -19,22 +19,32 @@ float caustic_factor(float index, float cosine) {
     return 1.0;
 }
 
-void gather(Fragment fragment) {
+// Parts of each channel that the surface keeps back.
+vec3 kept_back(Fragment fragment) {
     vec3 kept = fragment.coverage * (1.0 - fragment.transmission);
 #ifdef GREY
-    float part = dot(kept, vec3(1.0 / 3.0));
-#else
-    float part = kept[iteration];
+    kept = vec3(dot(kept, vec3(1.0 / 3.0)));
 #endif
-    part = min(1.0, part * caustic_factor(fragment.index, fragment.incidence));
+    return min(kept * caustic_factor(fragment.index, fragment.incidence), vec3(1.0));
+}
+
+void gather(Fragment fragment) {
+    vec3 part = kept_back(fragment);
 #ifdef BINARY
-    float threshold = 0.5;
+    if (part.r <= 0.5) {
+        discard;
+    }
 #else
     // The same number for all channels: noise stays grey.
     ivec3 cell = ivec3(floor(fragment.position * GRID));
-    float threshold = unit_interval(hash(uvec3(cell)).x);
-#endif
-    if (part <= threshold) {
+    float number = unit_interval(hash(uvec3(cell)).x);
+    if (all(lessThanEqual(part, vec3(number)))) {
         discard;
     }
+    map0 = part.r > number ? fragment.depth : 1.0;
+#ifndef GREY
+    map1 = part.g > number ? fragment.depth : 1.0;
+    map2 = part.b > number ? fragment.depth : 1.0;
+#endif
+#endif
 }
