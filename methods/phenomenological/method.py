@@ -13,6 +13,12 @@ and d_i is where the ray that Snell's law bends at the surface meets a plane beh
 Nothing of this is stored that the scene does not call for: 88 bits a pixel for grey coverage, 112
 with diffusion and refraction. 14 bytes are blended a fragment.
 
+A medium is marched through in one pass over the screen: slices of its part of the view ray, each of
+alpha = 1 - exp(-extinction * length), t = 0 and the middle's distance, are summed in registers as
+planes would be in targets, and blended once. Light and density of a slice are those of one point in
+it, L = albedo (mean radiance around + sum over lights of visibility * irradiance * phase function);
+what the medium keeps back on the way from a light is left out.
+
 Parameters
 ----------
 depth_weight : equation of w. `eq5` as above; `g3d` is that of the authors' engine,
@@ -31,6 +37,9 @@ subsample : pixels along each side of the blocks that particles (`Object.particl
     for, in targets of their own; a joint bilateral filter spreads these over the frame before the
     resolve, and what is finer than a block is lost. All else, fog too, keeps the frame's
     resolution. 1 is without: no target, no pass.
+steps : slices of the march. Their points are spread over neighboring pixels, so that too few look
+    grainy, not banded: 64 err by 1/255 of the displayed range (rms) in a hall of sunbeams, twice as
+    many by half. Where density is constant, transmittance is exact with any number.
 precision : `paper` has 16, 8, and 8 bits a channel of A, of beta and D, and of d; with 8 bits the
     smallest blur is 3.95 pixels, and offsets have steps of half a pixel and end at 63 pixels.
     `half` and `float` have that for all targets, and `float` also for the final color.
@@ -48,7 +57,9 @@ on the order of the draws; a layer of colored transmission tints its own reflect
 one; front layers of alpha = 1 do not hide the color of transparent layers behind them; transparent
 layers do not bend or blur each other; what lies beyond the edge of the picture cannot be seen in a
 bend. w reaches its clamps beyond 86 near-plane distances, where all layers weigh the same: hair
-comes out as unordered blending does.
+comes out as unordered blending does. So light in near fog does not outweigh that behind it. As D
+weighs a slice by alpha and not by its root, fog blurs the less, the more slices it is cut into, and
+most near the eye; blurs of fog below 2.8 pixels round to none in 8 bits.
 """
 
 from collections.abc import Mapping, Sequence
@@ -101,7 +112,7 @@ class Phenomenological(Method):
         "subsample": Parameter(
             1, choices=(1, 2, 4), help="pixels a side of the blocks that particles are rendered in"
         ),
-        "steps": Parameter(32, low=1, high=4096, help="of the march through a medium"),
+        "steps": Parameter(64, low=1, high=4096, help="of the march through a medium"),
         "precision": Parameter(
             "paper", choices=("paper", "half", "float"), grid=("paper", "half"), help="of targets"
         ),
