@@ -182,6 +182,21 @@ def test_smoke_shades_itself(device: Device) -> None:
     np.testing.assert_allclose(shown, expected, atol=0.03)
 
 
+def test_the_map_is_lit_where_it_is_empty(device: Device) -> None:
+    """Two panes with nothing between and nothing below: a probe in the gap meets no shadow."""
+    pane = Material(coverage=0.9)
+    sides = [Object(f"pane {x}", quad((x, 1, 0), (0.2, 0, 0), (0, 0, -0.2)), pane) for x in (-3, 3)]
+    # Nearer the light than the panes, and before the map's near plane.
+    lit_pane = Material(albedo=(1, 1, 1), coverage=0.999)
+    probe = level("probe", 1.5, 1.5, lit_pane, casts=False)
+    for height in (1.5, 0.9):
+        above = replace(probe, mesh=level("probe", height, 1.5, lit_pane).mesh)
+        scene = Scene("gap", ABOVE, (above, *sides), lights=(SUN,))
+        with opened(device, scene, "phenomenological[precision=float]", SIZE) as frame:
+            frame.render()
+            np.testing.assert_allclose(frame.image()[24:40, 24:40], 0.999, atol=2e-3)
+
+
 def test_an_empty_frustum_shades_nothing(device: Device) -> None:
     scene = Scene("bare", ABOVE, (FLOOR,), lights=(SUN,))
     np.testing.assert_allclose(lit(device, scene), 1.0, atol=1e-6)

@@ -32,5 +32,9 @@ void resolve() {
         farthest = max(farthest, texel.x);
     }
     float beyond = 1.1 * farthest;
+#ifndef ACROSS
+    // Nothing at all beneath the finished tent: all that the map can show is lit.
+    beyond = farthest > 0.0 ? beyond : far_plane;
+#endif
     filtered = sum + empty * vec2(beyond, beyond * beyond);
 }
