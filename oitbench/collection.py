@@ -23,12 +23,16 @@ KINDS = ("methods", "scenes", "reference", "reports")
 
 @dataclass(frozen=True)
 class ScenePlugin:
-    """A scene's file: what it is, what it can be asked for, and how it is built."""
+    """A scene's file: what it is, what it can be asked for, and how it is built.
+
+    `quick` tells whether the preset that should take two minutes renders it when none is named.
+    """
 
     name: str
     doc: str
     parameters: Mapping[str, Parameter]
     build: Callable[..., Scene]
+    quick: bool = True
 
 
 class Plugins(Mapping[str, Plugin]):
@@ -249,4 +253,7 @@ def _scene_plugin(path: Path) -> ScenePlugin:
     for member in ("parameters", "build"):
         if not hasattr(module, member):
             raise DeclarationError(f"{path}: defines no '{member}'; every scene needs one")
-    return ScenePlugin(path.stem, module.__doc__ or "", module.parameters, module.build)
+    return ScenePlugin(
+        path.stem, module.__doc__ or "", module.parameters, module.build,
+        getattr(module, "quick", True),
+    )  # fmt: skip

@@ -43,7 +43,7 @@ class Preset:
     permutations : int
         Random orders of the draws in which every image is rendered once more.
     every : bool
-        Every method there is, or those alone that are `quick`.
+        Every method and scene there is, or those alone that are `quick`.
     path_traced : bool
         Whether cells are held against path tracing too, or against the exact truth alone.
     """
@@ -171,7 +171,7 @@ def plan(
         choose_effects(text, Effect.NONE)
     folders = tuple(Path(folder) for folder in collections)
     collection = Collection.load(folders)
-    scene_labels = collection.expand_scenes(scenes or list(collection.scenes))
+    scene_labels = collection.expand_scenes(scenes or _all_scenes(collection, chosen))
     chosen_methods = collection.expand_methods(methods or _all_methods(collection, chosen))
     cells = tuple(
         Cell(scene, method.label, size, ssaa, effect, seed, chosen.permutations)
@@ -181,6 +181,10 @@ def plan(
         cells, chosen, Path(out), seed, folders, _folders(chosen_methods, collection),
         force, timeout, workers,
     )  # fmt: skip
+
+
+def _all_scenes(collection: Collection, preset: Preset) -> list[str]:
+    return [name for name, scene in collection.scenes.items() if preset.every or scene.quick]
 
 
 def _all_methods(collection: Collection, preset: Preset) -> list[str]:

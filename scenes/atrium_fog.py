@@ -17,6 +17,7 @@ from oitbench.lights import EnvironmentLight, Medium
 from oitbench.scene import RGB, Camera, Material, Mesh, Object, Scene
 from oitbench.selector import Parameter
 
+quick = False
 parameters = {
     "detail": Parameter(1.0, low=0.0, high=100.0, help="factor on the triangles of a surface"),
     "extinction": Parameter(0.035, low=0.0, high=10.0, help="of the fog, per metre"),

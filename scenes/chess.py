@@ -52,6 +52,7 @@ WALNUT = Material(albedo=(0.24, 0.14, 0.08), specular=0.0)
 RIM = Material(albedo=(0.12, 0.07, 0.04), specular=0.0)
 GROUND = Material(albedo=(0.42, 0.44, 0.42), specular=0.0)
 
+quick = False
 parameters = {
     "detail": Parameter(1.0, low=0.0, high=100.0, help="factor on the triangles of a surface"),
 }

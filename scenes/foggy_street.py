@@ -35,6 +35,7 @@ from oitbench.selector import Parameter
 
 Floats = npt.NDArray[np.float64]
 
+quick = False
 parameters = {
     "detail": Parameter(1.0, low=0.0, high=100.0, help="factor on the triangles of a surface"),
     "seed": Parameter(1, low=0, help="seed of the windows that are lit, and of the leaves"),

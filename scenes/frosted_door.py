@@ -19,6 +19,7 @@ from oitbench.people import hand, limb, man, woman_without_arms
 from oitbench.scene import RGB, Camera, Material, Mesh, Object, Scene
 from oitbench.selector import Parameter
 
+quick = False
 parameters = {
     "detail": Parameter(1.0, low=0.0, high=100.0, help="factor on the triangles of a surface"),
     "collimation": Parameter(0.85, low=0.0, high=1.0, help="of the pane; 1 for clear glass"),

@@ -23,6 +23,7 @@ from oitbench.selector import Parameter
 
 Floats = npt.NDArray[np.float64]
 
+quick = False
 parameters = {
     "detail": Parameter(1.0, low=0.0, high=100.0, help="factor on the triangles of a surface"),
     "extinction": Parameter(0.15, low=0.0, high=10.0, help="of the thickest fog, per metre"),

@@ -31,6 +31,7 @@ from oitbench.scene import RGB, Camera, Material, Mesh, Object, Scene
 from oitbench.selector import Parameter
 from oitbench.skies import gradient_sky
 
+quick = False
 parameters = {
     "detail": Parameter(
         1.0, low=0.0, high=100.0, help="factor on particles and triangles; thickness stays the same"
