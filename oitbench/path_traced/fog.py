@@ -59,7 +59,7 @@ class Fog:
 
         A varying density is followed by delta tracking (Woodcock et al. 1965).
         """
-        near, far = self._within(o, d, start, end)
+        near, far = self.within(o, d, start, end)
         hit, at, rng = self._collide(o, d, near, far, rng, active)
         return self.drjit.select(hit, at, self.drjit.inf), rng
 
@@ -69,7 +69,7 @@ class Fog:
         The estimate is ratio tracking (Novák et al. 2014).
         """
         drjit, mitsuba = self.drjit, self.mitsuba
-        near, far = self._within(o, d, start, end)
+        near, far = self.within(o, d, start, end)
         if self.density is None:
             return drjit.exp(-self.majorant * drjit.maximum(far - near, 0)), rng
 
@@ -103,7 +103,16 @@ class Fog:
             mitsuba.Frame3f(d).to_world(mitsuba.Vector3f(sine * c, sine * s, cosine))
         )
 
-    def _within(self, o: Any, d: Any, start: Any, end: Any) -> tuple[Any, Any]:
+    @property
+    def falloff(self) -> Any:
+        """Rate at which light from within surely becomes fainter, m⁻¹."""
+        return self.majorant if self.density is None else self.mitsuba.Float(0)
+
+    def extinction(self, p: Any, active: Any) -> Any:
+        """Return σ_t at a point of the box, m⁻¹."""
+        return self.majorant if self.density is None else self.majorant * self._relative(p, active)
+
+    def within(self, o: Any, d: Any, start: Any, end: Any) -> tuple[Any, Any]:
         """Return where the line from `start` to `end` enters and leaves the box."""
         drjit, mitsuba = self.drjit, self.mitsuba
         low, high = (

@@ -49,12 +49,14 @@ class Choice:
 
 @dataclass
 class Choices:
-    """What was chosen for beams, and for the surroundings; None where there is no such light.
+    """What was chosen for beams on surfaces and in a medium, and for the surroundings, or None.
 
-    Shadows make some weights wrong, and these lights throw theirs apart: each has its own choice.
+    Shadows make weights wrong: what lies in the one's shadow must not keep the others from being
+    chosen.
     """
 
     beam: Choice | None
+    shaft: Choice | None
     around: Choice | None
 
 
@@ -77,8 +79,9 @@ class Gathering:
     def nothing(self) -> Choices:
         """Return choices of nothing."""
         diffuse = self._around.lights and "albedo" in self._surfaces.has
-        beam, around = bool(self._beams), diffuse
-        return Choices(self._empty() if beam else None, self._empty() if around else None)
+        beam = bool(self._beams)
+        wanted = (beam, beam and self._fog is not None, diffuse)
+        return Choices(*[self._empty() if needed else None for needed in wanted])
 
     def _empty(self) -> Choice:
         mitsuba, drjit = self._mitsuba, self._drjit
@@ -113,7 +116,7 @@ class Gathering:
         if around is not None:
             offered, rng = self._toward_surroundings(hit, through, rng, active)
             around, rng = self._weigh(around, offered, rng, active)
-        return Choices(beam, around), rng
+        return Choices(beam, choices.shaft, around), rng
 
     def _toward_surroundings(
         self, hit: Hit, through: Any, rng: Any, active: Any
@@ -140,22 +143,29 @@ class Gathering:
         return Choice(self._leaving(hit, d), infinite, mitsuba.Color3f(factor), weight), rng
 
     def offer_in_fog(
-        self, choices: Choices, p: Any, forward: Any, through: Any, rng: Any, active: Any
+        self, choices: Choices, line: Line, end: Any, through: Any, rng: Any, active: Any
     ) -> tuple[Choices, Any]:
-        """Offer what each beam causes at a collision at `p` of a path that goes `forward`.
+        """Offer what each beam causes in the medium at one place on `line` before `end`.
 
         The surroundings are met by the path itself, where it leaves the medium.
         """
         mitsuba, drjit, fog = self._mitsuba, self._drjit, self._fog
         assert fog is not None
-        beam = choices.beam
+        shaft = choices.shaft
+        near, far = fog.within(line.o, line.d, line.along, end)
+        crosses = active & (near < far)
         for light in self._beams:
+            one = rng.next_float32(crosses)
+            at, chance = light.place(line.o, line.d, near, far, fog.falloff, one)
+            p = line.o + line.d * drjit.select(crosses, at, 0)
             toward, distance, arriving = light.toward(p)
-            value = through * fog.phase(drjit.dot(toward, forward)) * arriving
+            part, rng = fog.transmittance(line.o, line.d, near, at, rng, crosses)
+            part *= fog.extinction(p, crosses) * fog.phase(drjit.dot(toward, line.d)) / chance
+            value = through * fog.albedo * arriving * part
             leaving = Line(p, toward, mitsuba.Float(0), mitsuba.UInt32(NOWHERE))
             offered = Choice(leaving, distance, value, drjit.mean(value))
-            beam, rng = self._weigh(beam, offered, rng, active)
-        return Choices(beam, choices.around), rng
+            shaft, rng = self._weigh(shaft, offered, rng, crosses)
+        return Choices(choices.beam, shaft, choices.around), rng
 
     def _scattering(self, line: Line, hit: Hit, toward: Any) -> Any:
         """Return α times what the surface turns to the eye of the light from `toward`, sr⁻¹."""
@@ -212,9 +222,10 @@ class Gathering:
     def chosen_light(self, choices: Choices, rng: Any, bend: Bend) -> Any:
         """Return the light at the places that were chosen, with all that is in the way."""
         found = self._mitsuba.Color3f(0)
-        if choices.beam is not None:
-            light, rng = self._beam_light(choices.beam, rng)
-            found += light
+        for choice in (choices.beam, choices.shaft):
+            if choice is not None:
+                light, rng = self._beam_light(choice, rng)
+                found += light
         if choices.around is not None:
             found += self._surrounding_light(choices.around, rng, bend)
         return found

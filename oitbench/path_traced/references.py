@@ -22,7 +22,13 @@ from oitbench.scene import Scene
 FOLDER = "reference"
 """Where a collection keeps its references."""
 DEFAULT_SPP = 64
-"""Samples for each sub-pixel, where the scene needs random walks at all."""
+"""Samples for each sub-pixel, where the scene needs random walks at all; …"""
+FOGGY_SPP = 128
+"""… where a medium scatters it, of which a path sees one place; …"""
+BENT_SPP = 32
+"""… where solids bend light, as paths are long and photons are traced too; …"""
+CLOUDED_SPP = 4
+"""… where there are particles, as a ray crosses a hundred of them."""
 
 
 def load_reference(
@@ -84,7 +90,7 @@ def obtain_reference(
     ssaa: int,
     folders: Iterable[Path],
     cache: Path | None = None,
-    spp: int = DEFAULT_SPP,
+    spp: int | None = None,
     seed: int = 1,
     progress: Progress | None = None,
 ) -> Reference:
@@ -96,7 +102,9 @@ def obtain_reference(
         As in `load_reference`.
     cache : Path, optional
         `cache_folder()` without.
-    spp, seed : int
+    spp : int, optional
+        `default_spp` without.
+    seed : int
         For a reference that has to be rendered.
     progress : callable, optional
         Told about the rendering; a bar is shown on the terminal without.
@@ -131,17 +139,20 @@ def render_reference(
     label: str,
     size: tuple[int, int],
     ssaa: int = 2,
-    spp: int = DEFAULT_SPP,
+    spp: int | None = None,
     seed: int = 1,
     progress: Progress | None = None,
 ) -> Reference:
     """Render a reference; a progress bar is shown unless `progress` is given.
+
+    Without `spp`, `default_spp` samples are taken for each sub-pixel.
 
     Raises
     ------
     CapabilityError
         If the scene cannot be path-traced here.
     """
+    spp = default_spp(scene) if spp is None else spp
     if progress is None:
         estimate = _with_bar(scene, label, size, ssaa, spp, seed)
     else:
@@ -158,6 +169,15 @@ def render_reference(
         mean=estimate.mean,
         variance=estimate.variance,
     )
+
+
+def default_spp(scene: Scene) -> int:
+    """Return how many samples a sub-pixel gets, so that a picture takes some minutes."""
+    if any(item.particles for item in scene.objects):
+        return CLOUDED_SPP
+    if scene.medium is not None:
+        return FOGGY_SPP
+    return BENT_SPP if any(item.material.refracts for item in scene.objects) else DEFAULT_SPP
 
 
 def noise_floor(estimate: Estimate, exposure: float) -> dict[str, float | None]:

@@ -11,6 +11,9 @@ import numpy as np
 from oitbench.lights import PENUMBRA, DirectionalLight, EnvironmentLight, SpotLight
 from oitbench.scene import Scene, Texture
 
+LEAST_FALLOFF = 0.01
+"""Of the logarithm of a density over a line; below that its normalization would be rounded."""
+
 
 @dataclass(frozen=True, eq=False)
 class Beam:
@@ -36,6 +39,26 @@ class Beam:
         half = drjit.opaque(mitsuba.Float, light.angle / 2)
         falloff = drjit.clip((half - drjit.safe_acos(cosine)) / (PENUMBRA * half), 0, 1)
         return toward, drjit.sqrt(squared), self._color(light.intensity) * (falloff / squared)
+
+    def place(self, o: Any, d: Any, near: Any, far: Any, falloff: Any, one: Any) -> tuple[Any, Any]:
+        """Return a distance along a line to look for this light from, and its density, m⁻¹.
+
+        For a spot light, equal angles are equally probable (Kulla & Fajardo 2012, "Importance
+        sampling techniques for path tracing in participating media"); for a directional one the
+        density falls off exponentially.
+        """
+        mitsuba, drjit, light = self.mitsuba, self.drjit, self.light
+        if isinstance(light, DirectionalLight):
+            rate = drjit.maximum(falloff, LEAST_FALLOFF / drjit.maximum(far - near, 1e-6))
+            whole = 1 - drjit.exp(-rate * (far - near))
+            past = -drjit.log(1 - one * whole) / rate
+            return near + past, rate * drjit.exp(-rate * past) / whole
+        offset = drjit.opaque(mitsuba.Point3f, list(map(float, light.position))) - o
+        middle = drjit.dot(offset, d)
+        height = drjit.maximum(drjit.norm(offset - d * middle), 1e-4)
+        low, high = drjit.atan((near - middle) / height), drjit.atan((far - middle) / height)
+        past = height * drjit.tan(low + one * (high - low))
+        return middle + past, height / ((high - low) * (height * height + past * past))
 
     def _color(self, values: Any) -> Any:
         return self.mitsuba.Color3f(

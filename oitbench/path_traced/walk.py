@@ -30,23 +30,18 @@ FAINT = 0.05
 
 
 def is_random(scene: Scene) -> bool:
-    """Tell whether light takes random directions in `scene`."""
+    """Tell whether light takes random directions in `scene`, or light is looked for at random."""
     materials = [item.material for item in scene.objects]
-    surroundings = scene.environment is not None
+    passing = [item.material for item in scene.transparent]
+    diffuse = any(any(material.albedo) for material in materials)
     return (
         scene.medium is not None
-        or any(item.particles for item in scene.objects)
         or any(material.reflectance > 0 and not material.isotropic for material in materials)
-        or any(
-            material.refracts or material.collimation < 1 for material in scene_transparent(scene)
-        )
-        or (surroundings and any(any(material.albedo) for material in materials))
+        or any(material.refracts or material.collimation < 1 for material in passing)
+        or (scene.environment is not None and diffuse)
+        # Hundreds of layers would each look for the beams.
+        or (bool(scene.beams) and any(item.particles for item in scene.objects))
     )
-
-
-def scene_transparent(scene: Scene) -> list[Any]:
-    """Return the materials that let light through."""
-    return [item.material for item in scene.transparent]
 
 
 def is_straight(scene: Scene) -> bool:
@@ -180,15 +175,14 @@ class Walk:
         at, path.rng = fog.free_path(line.o, line.d, line.along, hit.at, path.rng, active)
         collides = active & (at < drjit.inf)
         p = line.o + line.d * drjit.select(collides, at, 0)
-        through = path.through * fog.albedo
         choices, path.rng = self._gathering.offer_in_fog(
-            choices, p, line.d, through, path.rng, collides
+            choices, line, hit.at, path.through, path.rng, active
         )
         two = mitsuba.Point2f(path.rng.next_float32(collides), path.rng.next_float32(collides))
         d = fog.scattered(line.d, two)
         turned = Line(p, d, mitsuba.Float(0), mitsuba.UInt32(NOWHERE))
         path.line = turned.where(drjit, collides, line)
-        path.through = drjit.select(collides, through, path.through)
+        path.through = drjit.select(collides, path.through * fog.albedo, path.through)
         path.turns = path.turns + drjit.select(collides, mitsuba.UInt32(1), 0)
         return path, choices, active & ~collides, active
 
