@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from oitbench import accounting, images, metrics, timing
+from oitbench.ablation import leave_out
 from oitbench.collection import Collection
 from oitbench.declare import Method
 from oitbench.effects import Effect, names
@@ -37,7 +38,8 @@ class Cell:
     ssaa : int
         Side of the sub-pixel grid of accuracy images; cost is measured without sub-pixels.
     effects : str
-        "called", "all", "none", or names to leave out, as in "-diffusion,-refraction".
+        "called", "all", "none", or names to leave out, as in "-diffusion,-refraction"; with each
+        goes what means nothing without it (`oitbench.ablation.NEEDS`).
     seed : int
     permutations : int
         Random orders of the draws in which the image is rendered once more, without sub-pixels, to
@@ -86,7 +88,7 @@ def choose_effects(text: str, called: Effect) -> Effect:
             raise UsageError(f"effects '{text}': give called, all, none, or -NAME to leave one out")
         if name not in Effect.__members__:
             raise unknown("effect", name.lower(), [e.lower() for e in Effect.__members__])
-        chosen &= ~Effect[name]
+        chosen = leave_out(chosen, Effect[name])
     return chosen
 
 
@@ -307,7 +309,7 @@ class Bench:
             geometry = Geometry(self.device, scene)
             for cell in cells:
                 (method,) = self.collection.expand_methods([cell.method])
-                effects = choose_effects(cell.effects, scene.effects) & method.expresses
+                effects = choose_effects(cell.effects, scene.effects) & method.shows
                 frame = Frame(self.device, geometry, method, cell.size, effects)
                 frame.render()
                 frames[str(cell.key)] = frame

@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-import itertools
 import sys
 import threading
 import time
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from queue import Queue
 from typing import Any
 
-from oitbench import environment, selector
+from oitbench import ablation, environment, selector
 from oitbench.cell import Cell, choose_effects
 from oitbench.collection import Collection
 from oitbench.declare import Method
@@ -140,7 +140,8 @@ def plan(
     size : (int, int), optional
         Instead of the preset's.
     effects : sequence of str
-        An axis of the matrix; see `Cell.effects`.
+        An axis of the matrix: see `Cell.effects`. "each" stands for "called" and, for every effect
+        that the scene calls for and the method draws differently without, "-name".
     ssaa : int
         Side of the sub-pixel grid of accuracy images.
     out : path
@@ -168,14 +169,17 @@ def plan(
     if timeout is not None and not timeout > 0:
         raise UsageError(f"timeout is {timeout:g} s; it must be above 0")
     for text in effects:
-        choose_effects(text, Effect.NONE)
+        if text != ablation.EACH:
+            choose_effects(text, Effect.NONE)
     folders = tuple(Path(folder) for folder in collections)
     collection = Collection.load(folders)
     scene_labels = collection.expand_scenes(scenes or _all_scenes(collection, chosen))
     chosen_methods = collection.expand_methods(methods or _all_methods(collection, chosen))
     cells = tuple(
         Cell(scene, method.label, size, ssaa, effect, seed, chosen.permutations)
-        for scene, method, effect in itertools.product(scene_labels, chosen_methods, effects)
+        for scene in scene_labels
+        for method, axis in _effects_axis(collection, scene, chosen_methods, effects)
+        for effect in axis
     )
     return Plan(
         cells, chosen, Path(out), seed, folders, _folders(chosen_methods, collection),
@@ -185,6 +189,23 @@ def plan(
 
 def _all_scenes(collection: Collection, preset: Preset) -> list[str]:
     return [name for name, scene in collection.scenes.items() if preset.every or scene.quick]
+
+
+def _effects_axis(
+    collection: Collection, scene: str, methods: Sequence[Method], effects: Sequence[str]
+) -> Iterator[tuple[Method, list[str]]]:
+    """Yield every method with its effects in this scene, each of them once."""
+    called = Effect.NONE
+    if ablation.EACH in effects:
+        # Why a scene cannot be built is told by its cells.
+        with suppress(OitbenchError):
+            called = collection.build_scene(scene).effects
+    for method in methods:
+        found: dict[str, None] = {}
+        for text in effects:
+            each = text == ablation.EACH
+            found |= dict.fromkeys(ablation.variants(called, method) if each else [text])
+        yield method, list(found)
 
 
 def _all_methods(collection: Collection, preset: Preset) -> list[str]:

@@ -13,8 +13,12 @@ from typing import Any
 
 import pytest
 
-from oitbench import matrix
+from oitbench import matrix, timing
+from oitbench.cell import Bench, Cell, choose_effects
+from oitbench.collection import Collection
+from oitbench.effects import SHADING, Effect, names
 from oitbench.errors import CapabilityError, UsageError
+from oitbench.gl.frame import Frame
 from oitbench.images import read_exr
 from oitbench.matrix import Outcome
 from oitbench.store import Record
@@ -185,6 +189,66 @@ def test_plans_are_checked_before_anything_is_done(plugins: Path, tmp_path: Path
         with pytest.raises(UsageError, match=told):
             matrix.plan(**{"out": tmp_path / "out", **wrong})  # type: ignore[arg-type]
     assert not (tmp_path / "out").exists()
+
+
+def axis(scene: str, method: str, *effects: str, **more: Any) -> list[str]:
+    """Return the effects of the cells that are planned for one scene and method."""
+    planned = matrix.plan([scene], [method], effects=effects, **more)
+    return [cell.effects for cell in planned.cells]
+
+
+def test_each_effect_is_left_out_in_turn() -> None:
+    shadows = ["-shadows", "-translucent_shadows", "-colored_shadows", "-caustics"]
+    # One refracts and one does not; shading is there for both.
+    assert axis("shadow_trio", "phenomenological", "each") == ["called", "-refraction", *shadows]
+    assert axis("shadow_trio", "sorted_over", "each") == ["called", *shadows]
+    # That the glass is colored is nothing that this method would draw differently without.
+    assert "-colored_transmission" in axis("shadow_trio", "dual_depth_peeling", "each")
+    assert axis("layer_stack", "phenomenological", "each") == ["called"]
+
+
+def test_effects_that_are_asked_for_twice_make_one_cell() -> None:
+    asked = ("called", "each", "-caustics", "none")
+    shadows = ["-shadows", "-translucent_shadows", "-colored_shadows", "-caustics"]
+    assert axis("shadow_trio", "sorted_over", *asked) == ["called", *shadows, "none"]
+
+
+def test_a_scene_that_cannot_be_built_is_planned_all_the_same(plugins: Path) -> None:
+    assert axis("raiser", "sorted_over", "each", collections=[plugins]) == ["called"]
+
+
+def test_with_an_effect_goes_what_means_nothing_without_it() -> None:
+    called = Effect.TRANSLUCENT_SHADOWS | Effect.COLORED_SHADOWS | Effect.CAUSTICS | Effect.SHADOWS
+    assert choose_effects("-translucent_shadows", called) == Effect.SHADOWS
+    assert choose_effects("-shadows", called) == called & ~Effect.SHADOWS
+    assert choose_effects("-caustics", called) == called & ~Effect.CAUSTICS
+    occlusion = Effect.AMBIENT_OCCLUSION | Effect.INFERRED_AO
+    assert choose_effects("-ambient_occlusion", occlusion) == Effect.NONE
+    assert choose_effects("-inferred_ao", occlusion) == Effect.AMBIENT_OCCLUSION
+
+
+def test_what_is_timed_is_what_was_rendered(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    timed: list[Effect] = []
+
+    def measure(frames: dict[str, Frame], *_: Any) -> dict[str, timing.Timing]:
+        timed.extend(frame.effects for frame in frames.values())
+        return dict.fromkeys(frames, timing.Timing([1.0], [0.0]))
+
+    monkeypatch.setattr(timing, "measure", measure)
+    bench = Bench(Collection.load(), tmp_path)
+    cells = [
+        Cell("shadow_trio[detail=0.05]", "sorted_over", (8, 8), effects=effects)
+        for effects in ("called", "-translucent_shadows")
+    ]
+    bench.time(cells, rounds=1, budget=0.0)
+    bench.device.release()
+    shadows = [names(effects & SHADING) for effects in timed]
+    assert shadows == [
+        ["SHADOWS", "TRANSLUCENT_SHADOWS", "COLORED_SHADOWS", "CAUSTICS"],
+        ["SHADOWS"],
+    ]
 
 
 def test_a_folder_that_cannot_be_written_is_refused(plugins: Path) -> None:

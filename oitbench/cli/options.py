@@ -52,9 +52,16 @@ ssaa = click.option(
     show_default=True,
     help="Side of the sub-pixel grid of accuracy images.",
 )
-effects = click.option(
+_EFFECTS = (
+    "called, all, none, or names to leave out, as in -diffusion,-refraction; with each goes what"
+    " means nothing without it, as colored shadows without translucent ones."
+)
+effects = click.option("--effects", default="called", show_default=True, help=_EFFECTS)
+effects_axis = click.option(
     "--effects",
-    default="called",
+    multiple=True,
+    default=("called",),
     show_default=True,
-    help="called, all, none, or names to leave out, as in -diffusion,-refraction.",
+    help=f"{_EFFECTS} Repeatable. 'each': called and, one at a time, without every effect that a"
+    " scene calls for and a method draws differently without.",
 )

@@ -26,7 +26,7 @@ from oitbench.cli import options
 )
 @options.size(None, "Pixels of the image; the preset's without.")
 @options.ssaa
-@options.effects
+@options.effects_axis
 @click.option("--out", type=click.Path(path_type=Path), default=Path("results"), show_default=True)
 @click.option("--force", is_flag=True, help="Do finished cells again.")
 @click.option("--timeout", type=float, help="Seconds that one cell may take.")
@@ -39,7 +39,7 @@ def command(
     methods: tuple[str, ...],
     size: tuple[int, int] | None,
     ssaa: int,
-    effects: str,
+    effects: tuple[str, ...],
     out: Path,
     force: bool,
     timeout: float | None,
@@ -59,7 +59,7 @@ def command(
     from oitbench.store import Record
 
     asked = matrix.plan(
-        scenes, methods, preset, size, (effects,), ssaa, out, collections, seed, force,
+        scenes, methods, preset, size, effects, ssaa, out, collections, seed, force,
         timeout, workers,
     )  # fmt: skip
     console = Console(stderr=True)
