@@ -32,7 +32,8 @@ from oitbench.scene import Scene
 METHODS = {"1x1": "phenomenological", "4x4 sub.": "phenomenological[subsample=4]"}
 PARTICLES, OTHERS, TOTAL = "OIT, particles", "OIT, others", "OIT"
 FOG, RESOLVE, GAIN = "OIT, medium", "resolve", "particles, times faster"
-SHADING = ("shadow maps", "variance maps")
+OCCLUSION = "ambient occlusion"
+SHADING = ("shadow maps", "variance maps", OCCLUSION)
 COLUMNS = (*SHADING, PARTICLES, OTHERS, FOG, TOTAL, RESOLVE, GAIN)
 WARM_UP = 2
 """Measured frames that do not count: drivers compile again for the queries that measuring adds."""
@@ -79,8 +80,9 @@ def measured(frame: Frame, mixed: bool, lit: bool) -> dict[str, float]:
         stages[stage] = stages.get(stage, 0.0) + record.milliseconds
     parts = [stages[name] for name in (PARTICLES, OTHERS, FOG) if name in stages]
     stages[TOTAL] = stages.get(TOTAL, 0.0) + sum(parts)
-    if lit:
-        stages |= {record.name: record.milliseconds for record in frame.shading_records}
+    for record in frame.shading_records if lit else ():
+        stage = record.name if record.name in SHADING else OCCLUSION
+        stages[stage] = stages.get(stage, 0.0) + record.milliseconds
     return stages
 
 
@@ -166,7 +168,8 @@ def main() -> None:
     rows: list[Row] = []
     for name in options.scenes or list(collection.scenes):
         scene = collection.build_scene(name)
-        if not scene.lights or scene.lists is not None:
+        if not scene.lights:
+            print(f"left out: {name} is not lit")
             continue
         found = rows_of(name, measure(device, scene, (width, height), options.rounds))
         rows += found
