@@ -11,8 +11,10 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
+from oitbench.errors import CapabilityError
 from oitbench.geometry import quad
 from oitbench.lights import PENUMBRA, DirectionalLight, EnvironmentLight, SpotLight
+from oitbench.path_traced import llvm
 from oitbench.path_traced.render import Estimate, render
 from oitbench.path_traced.view import View
 from oitbench.path_traced.walk import is_random, is_straight
@@ -234,6 +236,36 @@ def test_surroundings_are_hidden_by_what_is_in_the_way() -> None:
     # Form factor of a square seen from a point below its center at a distance of half its side.
     part = 4 * 2 / (2 * math.pi) * (1 / math.sqrt(2)) * math.atan(1 / math.sqrt(2))
     _agrees(estimate, 1 - np.full(3, part))
+
+
+@pytest.mark.parametrize("shape", [(1, 1), (2, 1), (1, 4, 3)])
+@pytest.mark.parametrize("radiance", [0.0, 0.5])
+def test_the_smallest_maps_light_evenly(shape: tuple[int, ...], radiance: float) -> None:
+    around = EnvironmentLight(Texture(np.full(shape, radiance, dtype=np.float32)))
+    white = Material(albedo=(1.0, 1.0, 1.0))
+    scene = Scene("even", ABOVE, (_floor(white),), lights=(around,))
+    mean = render(scene, (32, 32)).mean.mean(axis=(0, 1))
+    np.testing.assert_allclose(mean, radiance, rtol=0.05)
+
+
+def test_normals_are_interpolated_and_turned_to_the_eye() -> None:
+    floor = _floor(Material(albedo=PAPER))
+    tilted = np.tile(np.array([0.6, 0.8, 0.0], dtype=np.float32), (4, 1))
+    smooth = dataclasses.replace(floor, mesh=dataclasses.replace(floor.mesh, normals=tilted))
+    scene = Scene("smooth", ABOVE, (smooth,), lights=(SUN,))
+    cosine = -_unit(SUN.direction) @ (0.6, 0.8, 0.0)
+    expected = np.multiply(PAPER, SUN.irradiance) / math.pi * cosine
+    facing = _points()[1] @ (0.6, 0.8, 0.0) > 0
+    assert facing.any()
+    np.testing.assert_allclose(
+        _image(scene)[facing], np.tile(expected, (facing.sum(), 1)), rtol=1e-4
+    )
+
+
+def test_scattering_needs_llvm() -> None:
+    scene = Scene("plane", ABOVE, (_floor(Material(albedo=PAPER)),), lights=(SUN,))
+    with pytest.raises(CapabilityError, match="LLVM only; apt install"):
+        render(scene, SIZE, variant=llvm.SLOW_VARIANT)
 
 
 def test_only_scenes_that_scatter_draw_random_numbers() -> None:

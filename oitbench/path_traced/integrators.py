@@ -20,12 +20,11 @@ import numpy as np
 import numpy.typing as npt
 
 from oitbench.images import Image
+from oitbench.path_traced.surfaces import STEP
 
 Integrator = Callable[[Any, Any, int], Any]
 """Maps a Mitsuba scene, rays and a seed to radiance."""
 
-_STEP = 6e-7
-"""Advance beyond a hit, relative to the magnitudes added up there: five float32 roundings."""
 _EDGE = 1e-5
 """Barycentric coordinates below this may be rounding errors of zero."""
 
@@ -57,7 +56,7 @@ def make_straight(mitsuba: ModuleType) -> Integrator:
             # A line crosses a triangle once; a second hit is the first one's rounding error.
             fresh = active & _none_of(ahead, known)
             light, through = cross(si, fresh, light, through)
-            step = _STEP * (distance + si.t + drjit.max(drjit.abs(si.p)))
+            step = STEP * (distance + si.t + drjit.max(drjit.abs(si.p)))
             distance = drjit.select(active, distance + si.t + step, distance)
             back = mitsuba.Ray3f(ray.o + ray.d * distance, -ray.d)
             back.maxt = 2 * step

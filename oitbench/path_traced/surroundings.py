@@ -8,9 +8,11 @@ from typing import Any
 
 import numpy as np
 
-from oitbench.lights import PENUMBRA, DirectionalLight, EnvironmentLight, SpotLight
-from oitbench.scene import Scene, Texture
+from oitbench.lights import PENUMBRA, DirectionalLight, SpotLight
+from oitbench.scene import Array, Scene, Texture
 
+LEAST_SIDE = 4
+"""Texels of a map that directions are chosen from."""
 LEAST_FALLOFF = 0.01
 """Of the logarithm of a density over a line; below that its normalization would be rounded."""
 
@@ -101,7 +103,7 @@ class Surroundings:
             value = [float(part) for part in radiance]
             color = mitsuba.Color3f(drjit.opaque(mitsuba.Vector3f, value))
             return cls(mitsuba, drjit, light is not None and any(value), tuple(value), color)
-        texels = environment_map(radiance)
+        texels = _texels(radiance).astype(np.float32)
         # Repeated in longitude: one column of the other edge on either side.
         wide = np.concatenate([texels[:, -1:], texels, texels[:, :1]], axis=1)
         texture = mitsuba.Texture2f(
@@ -113,8 +115,9 @@ class Surroundings:
         rows = len(texels)
         weight = np.sin((np.arange(rows) + 0.5) / rows * math.pi)
         mean = (texels.mean(axis=1) * weight[:, None]).sum(axis=0) / weight.sum()
-        emitter = mitsuba.load_dict(environment_emitter(mitsuba, light))
-        return cls(mitsuba, drjit, True, tuple(mean.tolist()), None, texture, emitter)
+        emitter = _chooser(mitsuba, texels) if texels.any() else None
+        lights = emitter is not None
+        return cls(mitsuba, drjit, lights, tuple(mean.tolist()), None, texture, emitter)
 
     def radiance(self, d: Any) -> Any:
         """Return the radiance from the unit direction `d`, Color3f; bilinear in the map."""
@@ -143,24 +146,20 @@ class Surroundings:
         return d, 0.5 * (density(d) + self.emitter.pdf_direction(it, sample))
 
 
-def environment_map(radiance: Texture) -> Any:
-    """Return the texels of a map of latitude and longitude, shape (h, w, 3), float32."""
+def _texels(radiance: Texture) -> Array:
+    """Return the texels of a map, shape (h, w, 3)."""
     texels = radiance.texels
-    if texels.ndim == 2:
-        texels = np.repeat(texels[..., None], 3, axis=2)
-    return np.ascontiguousarray(texels, dtype=np.float32)
+    return np.repeat(texels[..., None], 3, axis=2) if texels.ndim == 2 else texels
 
 
-def environment_emitter(mitsuba: Any, light: EnvironmentLight | None) -> dict[str, Any]:
-    """Return Mitsuba's emitter for an environment light.
+def _chooser(mitsuba: Any, texels: Array) -> Any:
+    """Return a Mitsuba emitter that chooses directions by the radiance of a map.
 
-    Its maps begin at −z, where those of the scene model have their middle, and its texels are half
-    a texel off; it serves to choose directions, not for their radiance.
+    Its maps begin at −z, where ours have their middle, and lie half a texel off: it tells what is
+    probable, not what is seen.
     """
-    assert light is not None
-    if not isinstance(light.radiance, Texture):
-        values = [float(part) for part in light.radiance]
-        return {"type": "constant", "radiance": {"type": "rgb", "value": values}}
-    texels = environment_map(light.radiance)
-    turned = np.roll(texels, texels.shape[1] // 2, axis=1)
-    return {"type": "envmap", "bitmap": mitsuba.Bitmap(np.ascontiguousarray(turned))}
+    factors = [-(-LEAST_SIDE // side) for side in texels.shape[:2]]
+    larger = texels.repeat(factors[0], axis=0).repeat(factors[1], axis=1)
+    turned = np.roll(larger, larger.shape[1] // 2, axis=1)
+    bitmap = mitsuba.Bitmap(np.ascontiguousarray(turned, dtype=np.float32))
+    return mitsuba.load_dict({"type": "envmap", "bitmap": bitmap})
