@@ -99,7 +99,7 @@ class Occlusion:
         taps = _AROUND + 2 * PLANES * STEPS
         for shader, writes, reads, defines in (
             ("occlusion.glsl", "raw", {"occluders": taps}, {"PLANES": PLANES, "STEPS": STEPS}),
-            ("occlusion_filter.glsl", "openness", {"occluders": _PATTERN, "raw": _PATTERN}, {}),
+            ("occlusion_filter.glsl", "openness", {"occluders": 1 + _PATTERN, "raw": _PATTERN}, {}),
         ):
             step = Pass(
                 shader, Draws.PIXELS, tuple(reads), {writes: REPLACE}, defines=radius | defines
