@@ -12,6 +12,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import moderngl
+import numpy as np
 
 from oitbench.declare import MINIMUM, REPLACE, Draws, Method, Order, Pass, Target
 from oitbench.effects import Effect
@@ -177,8 +178,11 @@ class ShadowMaps:
         indices = None
         if batch is not None:
             triangles = batch.arrange(Order.SUBMISSION)[0]
-            if not len(triangles):
+            if not len(triangles) and not clears:
                 return
+            if not len(triangles):
+                # What is read must have been cleared: a triangle without area draws nothing.
+                triangles = np.zeros((1, 3), dtype=np.uint32)
             indices = self.device.context.buffer(triangles.tobytes())
             self._indices.append(indices)
         blueprint = Blueprint(
