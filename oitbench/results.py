@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -27,8 +28,30 @@ MEGABYTE = 10**6
 
 
 @dataclass(frozen=True)
+class Ablation:
+    """A cell with all effects that its scene calls for, and the same with some left out.
+
+    Parameters
+    ----------
+    complete, without : Record
+    named : tuple of str
+        The effects that were asked to be left out, as a reader sees them.
+    implied : tuple of str
+        Those that went with them, as they mean nothing without.
+    """
+
+    complete: Record
+    without: Record
+    named: tuple[str, ...]
+    implied: tuple[str, ...]
+
+
+@dataclass(frozen=True)
 class Panel:
-    """One scene at one size in one variant: the cells that share an axis."""
+    """One scene at one size in one variant: the cells that share an axis.
+
+    What leaves effects out of one of `cells` is among its `ablations`, and in no other panel.
+    """
 
     scene: str
     size: tuple[int, int]
@@ -36,6 +59,7 @@ class Panel:
     title: str
     slug: str
     cells: tuple[Record, ...]
+    ablations: tuple[Ablation, ...] = ()
 
     @property
     def finished(self) -> tuple[Record, ...]:
@@ -117,9 +141,17 @@ class Results:
     def panels(self) -> tuple[Panel, ...]:
         """Return the cells by scene, size and variant, methods in stable order."""
         groups: dict[tuple[str, tuple[int, int], str], list[Record]] = {}
+        left: dict[tuple[str, tuple[int, int], str], list[Ablation]] = {}
+        known = {CellKey.of(record): record for record in self.records}
         for record in self.records:
-            key = CellKey.of(record)
-            groups.setdefault((key.scene, key.size, key.variant), []).append(record)
+            counterpart = _counterpart(record)
+            complete = None if counterpart is None else known.get(counterpart)
+            key = CellKey.of(complete or record)
+            place = (key.scene, key.size, key.variant)
+            if complete is None:
+                groups.setdefault(place, []).append(record)
+            else:
+                left.setdefault(place, []).append(_ablation(complete, record))
         scenes = self.scenes
         ordered = sorted(groups, key=lambda key: (scenes.index(key[0]), key[1], key[2]))
         # A title tells what differs between the panels, not what they all share.
@@ -129,7 +161,8 @@ class Results:
                 *key,
                 title=_title(groups[key][0], len(sizes) > 1, len(variants) > 1),
                 slug=f"{place:02d}-{_slug(key[0])}",
-                cells=tuple(sorted(groups[key], key=lambda r: palette.natural(r["method"]))),
+                cells=tuple(sorted(groups[key], key=_by_method)),
+                ablations=tuple(sorted(left.get(key, ()), key=lambda a: _by_method(a.complete))),
             )
             for place, key in enumerate(ordered, start=1)
         )
@@ -165,6 +198,12 @@ def noise_floor(record: Mapping[str, Any], name: str) -> float | None:
     return _number((values.get("noise_floor") or {}).get(name))
 
 
+def largest_floor(cells: Iterable[Record], name: str) -> float | None:
+    """Return the largest noise floor of the cells' path-traced truth, or None if none is known."""
+    floors = [noise_floor(cell, name) for cell in cells]
+    return max((floor for floor in floors if floor is not None), default=None)
+
+
 def frame_time(record: Mapping[str, Any]) -> tuple[float, float, float] | None:
     """Return the median frame time and its 95 % interval in milliseconds, or None."""
     times = (record.get("time") or {}).get("frame_ms") or {}
@@ -181,6 +220,26 @@ def unstable_pixels(record: Mapping[str, Any]) -> int:
     return sum(int(counts.get(kind) or 0) for kind in ("nan", "inf", "negative"))
 
 
+def effect_label(effect: str) -> str:
+    """Return an effect's name as a reader sees it."""
+    return effect.lower().replace("_", " ")
+
+
+def called_effects(record: Mapping[str, Any]) -> list[str]:
+    """Return the names of the effects that the scene calls for and that were not left out."""
+    return list((record.get("effects") or {}).get("called") or [])
+
+
+def fullest(cells: Iterable[Record], flip: str) -> Record | None:
+    """Return the cell that misses the fewest effects; of several, the nearest to path tracing."""
+
+    def shortcomings(cell: Record) -> tuple[int, float, Any]:
+        error = metric(cell, PATH_TRACED, flip)
+        return len(missing_effects(cell)), math.inf if error is None else error, _by_method(cell)
+
+    return min(cells, key=shortcomings, default=None)
+
+
 def missing_effects(record: Mapping[str, Any]) -> list[str]:
     """Return the effects that the scene calls for and the method cannot express."""
     return list((record.get("effects") or {}).get("missing") or [])
@@ -195,6 +254,12 @@ def total(record: Mapping[str, Any], account: str, unit: float = 1) -> float | N
     """Return the bytes of a cell's `memory` or `traffic` in that unit, or None."""
     count = _number((record.get(account) or {}).get("bytes"))
     return None if count is None else count / unit
+
+
+def shaded_total(record: Mapping[str, Any], account: str, unit: float = 1) -> float | None:
+    """Return what `total` does, with what the stages that all methods share add to it."""
+    own, shared = total(record, account, unit), total(record.get("shading") or {}, account, unit)
+    return None if own is None else own + (shared or 0.0)
 
 
 def flat(record: Mapping[str, Any]) -> dict[str, Any]:
@@ -229,6 +294,38 @@ def flat(record: Mapping[str, Any]) -> dict[str, Any]:
     for name in (metrics.FLIP_LDR, metrics.FLIP_HDR, metrics.RMSE):
         row[f"noise_floor.{name}"] = noise_floor(record, name)
     return row
+
+
+def _by_method(record: Record) -> tuple[tuple[int, str], ...]:
+    return palette.natural(record["method"])
+
+
+def _left_out(record: Mapping[str, Any]) -> list[str]:
+    """Return the effects that a cell's variant was asked to leave out."""
+    text = str(record["variant"].get("effects", ""))
+    return [part.strip().removeprefix("-") for part in text.split(",") if text.startswith("-")]
+
+
+def _counterpart(record: Record) -> CellKey | None:
+    """Return the cell from which this one leaves effects out, or None if it leaves out none."""
+    if not _left_out(record):
+        return None
+    return CellKey.of({**record, "variant": {**record["variant"], "effects": "called"}})
+
+
+def _ablation(complete: Record, record: Record) -> Ablation:
+    named = _left_out(record)
+    gone = [effect.lower() for effect in called_effects(complete)]
+    remaining = [effect.lower() for effect in called_effects(record)]
+    implied = [effect for effect in gone if effect not in (*remaining, *named)]
+    # A cell that did not finish tells no effects.
+    finished = record["status"] in FINISHED
+    return Ablation(
+        complete,
+        record,
+        tuple(map(effect_label, named)),
+        tuple(map(effect_label, implied if finished else ())),
+    )
 
 
 def _number(value: Any) -> float | None:
