@@ -5,9 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from oitbench.declare import Buffer, Draws, Items, Method, Order, Pass, Target
-from oitbench.effects import Effect
+from oitbench.effects import SHADING
 from oitbench.gl.device import Device
 from oitbench.gl.geometry import Geometry
+from oitbench.gl.lighting import lighting_of
+from oitbench.gl.occlusion import occlusion_of
 from oitbench.gl.opaque import DEPTH, count_fragments, draw_opaque
 from oitbench.gl.passes import Blueprint, compile_pass
 from oitbench.gl.prelude import TILE, bind
@@ -42,7 +44,13 @@ def probe(
         One pixel, (n, 1, 1), in the order in which they are submitted.
     """
     column, row = pixel[0], size[1] - 1 - pixel[1]
-    count = int(count_fragments(device, geometry, size)[row, column])
+    effects = geometry.scene.effects & SHADING
+    count = int(count_fragments(device, geometry, size, effects)[row, column])
+    lighting = lighting_of(device, geometry, effects)
+    occlusion = occlusion_of(device, geometry, size, effects)
+    for stage in (lighting, occlusion):
+        if stage is not None:
+            stage.prepare()
     bindings = bind(_BUFFERS, False)
     resources = Resources(device, size, {}, _BUFFERS, bindings, device.max_block_bytes)
     demand = np.zeros(resources.tiles, dtype=np.int64)
@@ -50,10 +58,13 @@ def probe(
     resources.reserve(demand)
     color, depth = (device.texture(size, target.texel) for target in (_COLOR, DEPTH))
     view = device.context.buffer(view_block(geometry.scene.camera, size, False))
-    draw_opaque(device, geometry, view, (color, depth), _COLOR, 1, False)
-    blueprint = Blueprint(
-        device, geometry, Method(), None, Effect.NONE, {"opaque_depth": DEPTH}, _BUFFERS, bindings
+    draw_opaque(
+        device, geometry, view, (color, depth), _COLOR, 1, False, lighting, effects, occlusion
     )
+    blueprint = Blueprint(
+        device, geometry, Method(), None, effects, {"opaque_depth": DEPTH}, _BUFFERS, bindings,
+        lighting=lighting, occlusion=occlusion,
+    )  # fmt: skip
     indices = geometry.transparent.arrange(Order.SUBMISSION)[0]
     if count:
         compiled = compile_pass(blueprint, _PROBE, {"opaque_depth": depth})
@@ -72,6 +83,8 @@ def probe(
     )
     for item in (color, depth, view, resources):
         item.release()
+    if occlusion is not None:
+        occlusion.release()
     return FragmentLists(
         glass[:, 3].reshape(-1, 1, 1).copy(),
         light[:, 3].reshape(-1, 1, 1).copy(),
