@@ -1,17 +1,22 @@
 """A court of two storeys of arcades in uniform fog under uniform ambient light.
 
-Nothing but ambient light, the same from all sides, falls on surfaces and fog, and the fog scatters
-it alike to all sides. So fog of extinction σ adds up in closed form: at distance s a surface of
-radiance C₀ appears as C₀ e^(−σs) + L (1 − e^(−σs)), with L the fog's albedo times the ambient
-radiance, and banners of the same paints can be compared at several distances. The arrangement is
-that of figure 13 of McGuire & Mara 2017, "Phenomenological Transparency".
+Surfaces glow as they would under an overcast sky, about as brightly as the sky itself, so that the
+fog has nearly the same light from all sides, and scatters it alike to all. So fog of extinction σ
+adds up in closed form: at distance s a surface of radiance C₀ appears as C₀ e^(−σs) + L (1 −
+e^(−σs)), with L the fog's albedo times the ambient radiance, and banners of the same paints can be
+compared at several distances. The arrangement is that of figure 13 of McGuire & Mara 2017,
+"Phenomenological Transparency".
 """
 
 from __future__ import annotations
 
 import math
+from dataclasses import replace
+
+import numpy as np
 
 from oitbench.architecture import arch, column, repeated, slab
+from oitbench.bake import normals_of, with_radiance
 from oitbench.geometry import divisions, grid, lathe, merge, rotation, smooth_curve, transform
 from oitbench.lights import EnvironmentLight, Medium
 from oitbench.scene import RGB, Camera, Material, Mesh, Object, Scene
@@ -33,15 +38,17 @@ BANNER_WIDTH, BANNER_TOP, BANNER_LENGTH = 0.62, 5.2, 2.6
 FIRST_BANNER = 2  # the first pier from the camera that has banners
 TILE = 1.2
 
-AMBIENT: RGB = (0.82, 0.86, 0.92)
+AMBIENT: RGB = (0.46, 0.49, 0.54)
+LIGHT: RGB = (1.0, 0.99, 0.97)  # radiance of a white surface that faces up
 FOG_ALBEDO: RGB = (0.62, 0.62, 0.62)
-OCCLUSION = 2.5  # metres
-SANDSTONE = Material(albedo=(0.56, 0.46, 0.34))
-MARBLE = Material(albedo=(0.64, 0.60, 0.54))
-PLASTER = Material(albedo=(0.40, 0.24, 0.17))
-LIGHT_TILES = Material(albedo=(0.52, 0.48, 0.42))
-DARK_TILES = Material(albedo=(0.10, 0.10, 0.12))
-WHITE_CLOTH = Material(albedo=(0.86, 0.84, 0.78))
+# What a white surface shows that faces up, to the side and down, as parts of that.
+FACING_UP, FACING_ASIDE, FACING_DOWN = 1.0, 0.8, 0.55
+SANDSTONE = Material(emission=(0.56, 0.46, 0.34))
+MARBLE = Material(emission=(0.64, 0.60, 0.54))
+PLASTER = Material(emission=(0.40, 0.24, 0.17))
+LIGHT_TILES = Material(emission=(0.52, 0.48, 0.42))
+DARK_TILES = Material(emission=(0.10, 0.10, 0.12))
+WHITE_CLOTH = Material(emission=(0.86, 0.84, 0.78))
 CLOTHS: dict[str, RGB] = {
     "red": (0.62, 0.04, 0.04),
     "blue": (0.04, 0.10, 0.48),
@@ -62,11 +69,17 @@ def build(*, name: str, detail: float, extinction: float) -> Scene:
         camera=Camera(
             position=(0.9, 1.75, 1.6), target=(-0.25, 3.35, -10.0), fov_y=math.radians(58)
         ),
-        objects=(*_floors(), *_arcades(detail), *_banners(detail)),
+        objects=tuple(map(_glowing, (*_floors(), *_arcades(detail), *_banners(detail)))),
         lights=(EnvironmentLight(AMBIENT),),
         medium=fog,
-        ambient_occlusion=OCCLUSION,
     )
+
+
+def _glowing(item: Object) -> Object:
+    """Return the object under an overcast sky: the more it faces up, the brighter."""
+    upward = normals_of(item.mesh)[:, 1:2]
+    shade = np.interp(upward, [-1, 0, 1], [FACING_DOWN, FACING_ASIDE, FACING_UP])
+    return replace(item, mesh=with_radiance(item.mesh, shade * np.asarray(LIGHT)))
 
 
 def _floors() -> tuple[Object, ...]:
@@ -174,7 +187,7 @@ def _banners(detail: float) -> tuple[Object, ...]:
             for height in (BANNER_TOP - 0.45, middle - 0.75):
                 stripes.append(grid((x, height, z + 0.012), (BANNER_WIDTH, 0, 0), (0, 0.14, 0)))
     objects = [
-        Object(f"{paint} banners", merge(meshes), Material(albedo=CLOTHS[paint]))
+        Object(f"{paint} banners", merge(meshes), Material(emission=CLOTHS[paint]))
         for paint, meshes in cloths.items()
         if meshes
     ]

@@ -104,7 +104,7 @@ def _render(
     scene = collection.build_scene(job.scene)
     try:
         reference = references.render_reference(
-            scene, job.scene, job.size, job.ssaa, spp or references.DEFAULT_SPP, seed
+            scene, job.scene, job.size, job.ssaa, spp, seed
         )
     except CapabilityError as error:
         console.print(f"skipped  {error}", style="yellow", markup=False)
