@@ -28,10 +28,13 @@ def build(results: Results, out: Path) -> list[Artifact]:
     for panel in panels:
         ranks = _ranks(panel, results.flip)
         rows += [_row(results, panel, cell, ranks) for cell in panel.cells]
+        for ablation in panel.ablations:
+            rows.append(_row(results, panel, ablation.without, {}, ", ".join(ablation.named)))
     caption = (
         "Click a heading to sort. Unstable cells hold pixels that are NaN, infinite or negative; "
         "no metric is given where a pixel is not finite. Equal ranks are ties: those cells differ "
-        "by less than the noise floor of the path-traced reference."
+        "by less than the noise floor of the path-traced reference. Without a rank are cells that "
+        "leave effects out."
     )
     return [
         write_table(
@@ -76,6 +79,7 @@ def _columns(flip: str) -> tuple[Column, ...]:
     return (
         Column("scene", "Scene", kind="text"),
         Column("method", "Method", kind="method"),
+        Column("left_out", "Left out", kind="text", help="effects that the scene calls for"),
         Column("status", "Status", kind="status"),
         Column(f"exact.{flip}", "FLIP exact", decimals=4, help=f"{flip} against exact compositing"),
         Column(
@@ -120,13 +124,16 @@ def _columns(flip: str) -> tuple[Column, ...]:
     )
 
 
-def _row(results: Results, panel: Panel, cell: Record, ranks: dict[str, str]) -> tuple[Value, ...]:
+def _row(
+    results: Results, panel: Panel, cell: Record, ranks: dict[str, str], left_out: str = ""
+) -> tuple[Value, ...]:
     finished = cell["status"] in read.FINISHED
     time = read.frame_time(cell) or (None, None, None)
     fragments = cell.get("fragments")
     return (
         panel.title,
         cell["method"],
+        left_out,
         cell["status"],
         read.metric(cell, EXACT, results.flip),
         read.metric(cell, PATH_TRACED, results.flip),

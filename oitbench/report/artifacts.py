@@ -130,7 +130,9 @@ def fixed(value: float, decimals: int) -> str:
     if value == 0:
         return "0"
     least = 10.0**-decimals
-    return f"<{least:.{decimals}f}" if 0 < value < least / 2 else f"{value:,.{decimals}f}"
+    if abs(value) < least / 2:
+        return f"<{least:.{decimals}f}" if value > 0 else f">−{least:.{decimals}f}"
+    return f"{value:,.{decimals}f}"
 
 
 def write_table(
