@@ -45,6 +45,21 @@ def broken(folder: Path, color: str, blend: str = "REPLACE") -> Method:
     return plugins.add_method(folder / "broken")()
 
 
+SHIFTING = """
+class Shifting(Method):
+    expresses = Effect.COVERAGE | Effect.REFRACTION
+    holds = frozenset({"U12"})
+    passes = (
+        Pass("shift.glsl", Draws.PIXELS, reads=("opaque_color",), writes={"color": REPLACE}),
+    )
+"""
+SHIFT = """void resolve() {{
+    ivec2 pixel = ivec2(gl_FragCoord.xy);
+    pixel.x = min(pixel.x + {}, int(frame_size.x) - 1);
+    color = read_opaque_color(pixel);
+}}"""
+
+
 def test_the_exact_truth_holds_everything_that_applies(device: Device) -> None:
     truth = collection().truth()
     chosen = [check for check in CHECKS.values() if check.repeat]
@@ -60,6 +75,38 @@ def test_identities_are_those_that_methods_may_promise() -> None:
     assert identities == [f"U{i}" for i in (1, 2, "2c", *range(3, 13))]
     promised = {name for m in collection().methods.values() for name in m().holds}
     assert promised <= set(identities)
+
+
+@pytest.mark.parametrize(
+    ("pixels", "result"), [("6", BREAKS), ("int(frame_size.x) / 10", HOLDS), ("0", HOLDS)]
+)
+def test_offsets_that_are_fixed_in_pixels_break_u12(
+    device: Device, tmp_path: Path, pixels: str, result: str
+) -> None:
+    write_method(tmp_path / "shifting", SHIFTING, shift=SHIFT.format(pixels))
+    chosen = Collection.load().add_method(tmp_path / "shifting")()
+    (found,) = examine(device, chosen, "U12")
+    assert (found.result, found.failed) == (result, result == BREAKS)
+
+
+def test_u12_is_for_methods_that_bend_or_blur(device: Device) -> None:
+    (found,) = examine(device, "weighted_blended", "U12")
+    assert found.result == DOES_NOT_APPLY
+    assert "neither refraction nor diffusion" in found.reason
+    (found,) = examine(device, "phenomenological", "U12")
+    assert (found.result, found.promised) == (HOLDS, True)
+    assert found.error is not None
+    assert found.error > 0
+
+
+@pytest.mark.parametrize("name", ["perfect diffuser", "camera in glass", "light in glass"])
+def test_pixels_that_are_not_finite_fail_at_every_limit(
+    device: Device, tmp_path: Path, name: str
+) -> None:
+    chosen = broken(tmp_path, "vec4(1.0 / (fragment.z - fragment.z))")
+    (found,) = examine(device, chosen, name)
+    assert found.failed
+    assert found.inf > 0
 
 
 def test_what_breaks_is_told_with_its_error(device: Device) -> None:

@@ -18,6 +18,7 @@ from oitbench.geometry import box
 from oitbench.oracle import composite, transmittances
 from oitbench.scene import BLACK, RGB, WHITE, Camera, FragmentLists, Material, Object, Scene
 from oitbench.stability.check import Bound, Check, Comparison, Photo, Picture
+from oitbench.stability.grace import graceful
 from oitbench.stability.layers import (
     BACKGROUND,
     BLUE,
@@ -45,6 +46,7 @@ def cases() -> tuple[Check, ...]:
         *_moments(),
         *_ties_and_seams(),
         *_random_methods(),
+        *graceful(),
     )
 
 

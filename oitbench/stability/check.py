@@ -48,6 +48,10 @@ class Picture:
         _, height, width = self.scene.lists.z.shape
         return width, height
 
+    def shares_frame(self, other: Picture) -> bool:
+        """Whether one frame can take both."""
+        return self.scene is other.scene and self.pixels == other.pixels
+
 
 @dataclass(frozen=True, eq=False)
 class Photo:
@@ -92,6 +96,8 @@ class Comparison:
     bound : Bound
     noise : float
         Standard error of `found`, where it is already a mean of random pixels.
+    slack : float
+        Error that the experiment itself brings, on top of the bound.
     """
 
     found: Values
@@ -99,6 +105,7 @@ class Comparison:
     layers: int = 1
     bound: Bound = Bound.FORMATS
     noise: float = 0.0
+    slack: float = 0.0
 
     @property
     def magnitude(self) -> float:

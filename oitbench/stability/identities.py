@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from functools import cache
+from typing import Any
 
 import numpy as np
 
 from oitbench.declare import Method
 from oitbench.effects import Effect
-from oitbench.geometry import quad
+from oitbench.geometry import grid, quad
+from oitbench.images import box_downsample
 from oitbench.oracle import composite, transmittances
 from oitbench.scene import BLACK, RGB, WHITE, Camera, FragmentLists, Material, Object, Scene
 from oitbench.stability.check import Bound, Check, Compare, Comparison, Photo, Picture
@@ -28,7 +31,15 @@ from oitbench.stability.layers import (
 from oitbench.visibility import curve_of, instrument
 
 PERMUTATIONS = 16
-_REFRACTING = Effect.REFRACTION | Effect.DIFFUSION
+_MARGIN = 1.2
+"""How much larger than the view the wall of U12 is: bent rays shall end on it."""
+_CELLS = 8
+"""Columns of that wall; the valley is two cells wide, so that blurs of the suite's size fit in."""
+_MISPLACED = 1.0
+"""Pixels of the smaller picture by which rounding may move light: at most half a pixel in it and
+half one in the larger where a kernel begins, and a quarter of one where steps of offsets are half a
+pixel. What does not scale at all moves light by more: half of the blur's mean reach, or of the
+bend."""
 
 
 @cache
@@ -52,14 +63,7 @@ def identities() -> tuple[Check, ...]:
         _swapped_depths(),
         _scaled_radiance(),
         _falling_visibility(),
-        Check(
-            "U12",
-            "halving the resolution halves refraction and diffusion in pixels",
-            (),
-            lambda photos: (),
-            excuse=_without_refraction,
-            identity=True,
-        ),
+        _halved_resolution(),
     )
 
 
@@ -203,7 +207,45 @@ def _falling_visibility() -> Check:
     return _identity("U11", sentence, [scene], compare)
 
 
+def _halved_resolution() -> Check:
+    """Bend, blur, and do both, before a wall with a dark valley of constant slopes.
+
+    An error of a pixel in position or width then changes the picture by one slope at most.
+    """
+    width, height = 64, 48
+    frosted, bending = {"collimation": 0.1}, {"index": 1.5, "solid": True}
+    scenes = [
+        _before_valley(width / height, **kind) for kind in (bending, frosted, frosted | bending)
+    ]
+    slope = _CELLS / (_MARGIN * width)
+
+    def compare(photos: Sequence[Photo]) -> Iterable[Comparison]:
+        for large, small in zip(photos[1::2], photos[::2], strict=True):
+            halved = box_downsample(large.image, 2)
+            yield Comparison(halved, small.image, slack=_MISPLACED * slope)
+
+    pictures = [Picture(scene, (k * width, k * height)) for scene in scenes for k in (1, 2)]
+    sentence = "halving the resolution halves refraction and diffusion in pixels"
+    return Check(
+        "U12", sentence, tuple(pictures), compare, excuse=_without_refraction, identity=True
+    )
+
+
+def _before_valley(aspect: float, **kind: Any) -> Scene:
+    """Return a turned sheet before a wall that is white but for a valley, black in the middle."""
+    angle, tilt, near, far = math.radians(40), 0.3, 1.6, 4.0
+    half = _MARGIN * far * math.tan(angle / 2)
+    wall = grid((0, 0, -far), (half * aspect, 0, 0), (0, half, 0), columns=_CELLS)
+    slope = _CELLS / (2 * half * aspect)
+    rising = np.minimum(slope * np.abs(wall.positions[:, :1]), np.float32(1))
+    wall = replace(wall, radiance=np.repeat(rising, 3, axis=1))
+    right = (far * math.cos(tilt), 0.0, far * math.sin(tilt))
+    sheet = quad((0, 0, -near), right, (0, far, 0))
+    glass = Material(transmission=WHITE, specular=0.0, **kind)
+    objects = (Object("wall", wall, Material(emission=WHITE)), Object("sheet", sheet, glass))
+    return Scene("valley", Camera((0, 0, 0), (0, 0, -1), fov_y=angle), objects)
+
+
 def _without_refraction(method: Method) -> str:
-    if method.expresses & _REFRACTING:
-        return "no scene of the suite refracts or diffuses yet"
-    return "the method shows neither refraction nor diffusion"
+    shown = method.expresses & (Effect.REFRACTION | Effect.DIFFUSION)
+    return "" if shown else "the method shows neither refraction nor diffusion"

@@ -113,7 +113,7 @@ class _Darkroom:
         try:
             for picture in pictures:
                 copies = _copies(method, picture)
-                if frame is None or shown is None or shown.scene is not picture.scene:
+                if frame is None or shown is None or not shown.shares_frame(picture):
                     if frame is not None:
                         frame.release()
                     frame, shown = self._frame(method, picture, copies), picture
@@ -208,7 +208,7 @@ class _Verdict:
 
 def _judge(method: Method, comparison: Comparison) -> _Verdict:
     """Hold one comparison to its bound: in each pixel, or in the mean if the method is random."""
-    bound = _bound(method, comparison)
+    bound = _bound(method, comparison) + comparison.slack
     residual = _residual(comparison)
     error = float(np.abs(residual).max())
     noise = _SIGMAS * comparison.noise
