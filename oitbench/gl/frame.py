@@ -11,11 +11,12 @@ from oitbench.collection import folder_of
 from oitbench.declare import Draws, Interleaved, Loop, Method, Order, Pass, Step, Target
 from oitbench.effects import Effect
 from oitbench.errors import CapabilityError, DeclarationError, UsageError
+from oitbench.gl.backdrop import Backdrop
 from oitbench.gl.device import Device
 from oitbench.gl.geometry import Geometry
 from oitbench.gl.lighting import Lighting, lighting_of
 from oitbench.gl.occlusion import Occlusion, occlusion_of
-from oitbench.gl.opaque import DEPTH, count_fragments, draw_opaque
+from oitbench.gl.opaque import DEPTH, count_fragments
 from oitbench.gl.passes import Blueprint, attach, compile_pass
 from oitbench.gl.prelude import TILE, bind
 from oitbench.gl.resources import Counts, Resources
@@ -35,7 +36,6 @@ from oitbench.gl.view import view_block
 
 Image = npt.NDArray[np.float32]
 _ATTEMPTS = 4
-_SHARED = ("color", "opaque_color", "opaque_depth")
 
 
 class Frame:
@@ -120,18 +120,16 @@ class Frame:
             "opaque_color": color,
             "opaque_depth": DEPTH,
         }
-        shared = {n: device.texture(size, self.declared[n].texel, self.samples) for n in _SHARED}
-        self.textures = {**self.resources.textures, **shared}
-        if any(
-            item.draws is Draws.FRAGMENTS and "opaque_depth" in item.reads
-            for step in method.passes
-            for item in passes_of(step)
-        ):
-            # What a pass tests against it may not read as well: it gets a copy.
-            copied = device.texture(size, DEPTH.texel, self.samples)
-            self.textures["opaque_depth_copy"] = copied
-        if self.samples > 1 and any(target.single for target in targets.values()):
-            self.textures["opaque_depth_single"] = device.texture(size, DEPTH.texel)
+        self._backdrop = Backdrop(
+            device, geometry, size, color, self.samples,
+            [item for step in method.passes for item in passes_of(step)],
+            any(target.single for target in targets.values()),
+        )  # fmt: skip
+        self.textures = {
+            **self.resources.textures,
+            **self._backdrop.textures,
+            "color": device.texture(size, color.texel, self.samples),
+        }
         self.lighting = lighting_of(device, geometry, effects)
         self.occlusion = occlusion_of(device, geometry, size, effects)
         self._blueprint = Blueprint(
@@ -246,16 +244,9 @@ class Frame:
         for stage in self.shading:
             stage.prepare()
         if self._transmittance is not transmittance:
-            behind = (self.textures["opaque_color"], self.textures["opaque_depth"])
-            draw_opaque(
-                self.device, self.geometry, self._view, behind, self.declared["color"],
-                self.samples, transmittance, self.lighting, self.effects, self.occlusion,
-            )  # fmt: skip
-            if "opaque_depth_copy" in self.textures:
-                copied = self.textures["opaque_depth_copy"]
-                self.device.copy(behind[1], copied, self.size, self.samples)
-            if "opaque_depth_single" in self.textures:
-                self._draw_opaque_single()
+            self._backdrop.draw(
+                self._view, transmittance, self.lighting, self.effects, self.occlusion
+            )
             for subsample, view in self._views.items():
                 if subsample > 1:
                     view.write(self._block(subsample, transmittance))
@@ -269,16 +260,6 @@ class Frame:
         raise CapabilityError(
             f"{self.method.label}: buffers still overflow after {_ATTEMPTS} frames"
         )
-
-    def _draw_opaque_single(self) -> None:
-        """Render the opaque depth at pixel centers, for targets of one sample a pixel."""
-        color = self.device.texture(self.size, self.declared["color"].texel)
-        behind = (color, self.textures["opaque_depth_single"])
-        draw_opaque(
-            self.device, self.geometry, self._view, behind, self.declared["color"], 1, False,
-            effects=self.effects,
-        )  # fmt: skip
-        color.release()
 
     def issue(
         self, records: list[PassRecord] | None = None, check: bool = True, lit: bool = True
@@ -373,8 +354,8 @@ class Frame:
             sequence.indices.release()
         for framebuffer in self._framebuffers.values():
             framebuffer.release()
-        for name in {*self.textures} - {*self.resources.textures}:
-            self.textures[name].release()
+        self._backdrop.release()
+        self.textures["color"].release()
         for view in self._views.values():
             view.release()
         if self.occlusion is not None:
