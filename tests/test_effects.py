@@ -17,7 +17,17 @@ from oitbench.geometry import quad
 from oitbench.gl.device import Device
 from oitbench.lights import DirectionalLight, EnvironmentLight, Medium
 from oitbench.scene import Camera, Material, Object, Scene
-from tests.helpers import Layer, method, opened, random_lists, render, scene_of, stack, write_method
+from tests.helpers import (
+    Layer,
+    collection,
+    method,
+    opened,
+    random_lists,
+    render,
+    scene_of,
+    stack,
+    write_method,
+)
 
 OPTIONAL = """
 class Optional(Method):
@@ -133,7 +143,7 @@ def test_a_called_effect_brings_all_that_it_needs(device: Device, optional: Meth
         assert (frame.read("spread") == 1).all()
 
 
-@pytest.mark.parametrize("name", ["a_buffer", "alpha_blend", "sorted_over", "weighted_blended"])
+@pytest.mark.parametrize("name", collection().methods)
 def test_forcing_every_effect_changes_no_pixel(device: Device, name: str) -> None:
     lists, chosen = random_lists(6), method(name)
     called = render(device, lists, chosen)
