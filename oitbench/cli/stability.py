@@ -9,7 +9,7 @@ import click
 
 from oitbench.cli import options
 
-_WIDTH = 110
+_WIDTH = 120
 """Columns of a terminal below which the table would be cut."""
 
 
