@@ -152,6 +152,15 @@ def test_transmission_loses_what_reflection_took(device: Device) -> None:
         np.testing.assert_allclose(frame.image(), expected, rtol=1e-4)
 
 
+def test_a_particle_has_no_fresnel_term(device: Device) -> None:
+    smoke = Material(transmission=(0.9, 0.8, 0.7), isotropic=True, specular=0.5)
+    scene = Scene("smoke", CAMERA, (floor(smoke),))
+    with opened(device, scene, "phenomenological[precision=float]", SIZE) as frame:
+        frame.render(transmittance=True)
+        found = frame.image()
+    np.testing.assert_allclose(found, np.broadcast_to(smoke.transmission, found.shape), rtol=1e-5)
+
+
 DIRECTIONS: list[tuple[str, RGB]] = [
     ("up", (0, 1, 0)), ("down", (0, -1, 0)), ("ahead", (0, 0, -1)),
     ("behind", (0, 0, 1)), ("right", (1, 0, 0)), ("left", (-1, 0, 0)),

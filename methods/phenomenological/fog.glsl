@@ -16,14 +16,10 @@ void resolve() {
         float weight = depth_weight(slice.coverage, window_depth(slice.z));
         sum += weight * slice.coverage * vec4(slice.radiance, 1.0);
         passed *= 1.0 - slice.coverage;
+#ifdef EFFECT_DIFFUSION
         variance += blur_variance(slice.z, behind, medium_color.a, slice.coverage);
+#endif
     }
     accum = sum;
-#ifdef EFFECT_DIFFUSION
-    beta = vec4(vec3(1.0 - passed), variance);
-#elif PRECISION == PRECISION_PAPER
-    beta = vec3(1.0 - passed);
-#else
-    beta = vec4(vec3(1.0 - passed), 0.0);
-#endif
+    beta = modulation(vec3(1.0 - passed), variance);
 }

@@ -10,6 +10,9 @@ float focal_length() {
 #endif
 }
 
+// The longest offset, pixels: beyond any picture, and some layers' sum still fits a half float.
+const float LONGEST = 8192.0;
+
 // Equation 5, or that of the authors' engine.
 float depth_weight(float opacity, float depth) {
 #if DEPTH_WEIGHT == DEPTH_WEIGHT_G3D
@@ -51,5 +54,6 @@ vec2 refraction_offset(Fragment fragment, float behind) {
 #endif
     vec3 target = position + reach * bent / abs(bent.z);
     // Differences first: both projections are large beside their distance.
-    return focal_length() * (target.xy / -target.z - position.xy / -position.z);
+    vec2 offset = focal_length() * (target.xy / -target.z - position.xy / -position.z);
+    return clamp(offset, vec2(-LONGEST), vec2(LONGEST));
 }

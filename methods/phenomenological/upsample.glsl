@@ -46,11 +46,11 @@ void resolve() {
             ivec2 texel = ivec2(x, y);
             float weight = weight_of(texel, at, plane);
             total += weight;
-            // A half-float sum that overflowed counts as its greatest value.
+            // A half-float sum that overflowed counts as its greatest value; zero times it is zero.
             layers += weight * min(read_small_accum(texel), vec4(65504.0));
             passed.rgb += weight * read_small_beta(texel).rgb;
 #ifdef EFFECT_DIFFUSION
-            passed.a += weight * read_small_beta(texel).a;
+            passed.a += weight * min(read_small_beta(texel).a, 65504.0);
 #endif
 #ifdef EFFECT_REFRACTION
             bends.xy += weight * read_small_delta(texel);

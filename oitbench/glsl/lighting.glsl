@@ -53,7 +53,9 @@ vec3 surrounding_radiance() { return surroundings[0].rgb / PI; }
 
 // Radiance from the unit direction `d`, blurred as a microfacet lobe of this roughness does.
 vec3 environment_radiance(vec3 d, float roughness) {
-    vec2 uv = vec2(0.5 + atan(d.x, -d.z) / (2.0 * PI), 0.5 + asin(clamp(d.y, -1.0, 1.0)) / PI);
+    // GLSL leaves open what atan(0, 0) is: straight up and down any longitude will do.
+    float longitude = d.x == 0.0 && d.z == 0.0 ? 0.0 : atan(d.x, -d.z);
+    vec2 uv = vec2(0.5 + longitude / (2.0 * PI), 0.5 + asin(clamp(d.y, -1.0, 1.0)) / PI);
     vec2 size = vec2(textureSize(environment_texture, 0));
     // The lobe's solid angle, about 4 pi a^2 with a = roughness^2, in texels.
     float area = roughness * roughness * roughness * roughness * size.x * size.y;

@@ -4,7 +4,7 @@ uniform sampler2D surface_materials;   // two texels a material, see oitbench/gl
 
 struct Surface {
     vec3 albedo;
-    float reflectance;   // F0
+    float reflectance;   // F0; particles have none
     float roughness;
     float index;         // N, 1 where nothing is refracted
     float collimation;
@@ -16,7 +16,8 @@ Surface surface_at(int material) {
     vec4 first = texelFetch(surface_materials, ivec2(0, material), 0);
     vec4 second = texelFetch(surface_materials, ivec2(1, material), 0);
     int flags = int(second.w);
-    return Surface(first.rgb, first.a, second.x, second.y, second.z, (flags & 1) != 0,
+    bool isotropic = (flags & 1) != 0;
+    return Surface(first.rgb, isotropic ? 0.0 : first.a, second.x, second.y, second.z, isotropic,
                    (flags & 2) != 0);
 }
 
@@ -36,7 +37,9 @@ float microfacets(Surface surface, vec3 n, vec3 v, vec3 l) {
     }
     vec3 h = normalize(l + v);
     float nh = clamp(dot(n, h), 0.0, 1.0);
-    float spread = nh * nh * (a * a - 1.0) + 1.0;
+    // (n.h)^2 (a^2 - 1) + 1 without the difference of nearly equal numbers: 1 - (n.h)^2 = |n x h|^2.
+    vec3 across = cross(n, h);
+    float spread = dot(across, across) + nh * nh * a * a;
     float density = a * a / max(PI * spread * spread, 1e-20);
     float masking = nl * sqrt(nv * nv * (1.0 - a * a) + a * a) +
                     nv * sqrt(nl * nl * (1.0 - a * a) + a * a);

@@ -44,9 +44,14 @@ float opaque_visibility(sampler2D map, int i, MapPlace place) {
     return mix(mix(lit.x, lit.y, part.x), mix(lit.z, lit.w, part.x), part.y);
 }
 
+// What a variance map's texel stands for lies this part of it beyond its middle: the tent's middle
+// tap is the third of four texels (shadow_tent.glsl).
+const float BEYOND_MIDDLE = 0.125;
+
 // Chebyshev's bound on the part of the light that reaches `distance`, of moments (z, z^2).
 float variance_visibility(sampler2D map, vec2 place, float distance) {
-    vec2 moments = textureLod(map, place, 0.0).rg;
+    vec2 shift = BEYOND_MIDDLE / vec2(textureSize(map, 0));
+    vec2 moments = textureLod(map, place - shift, 0.0).rg;
     float variance = max(moments.y - moments.x * moments.x, 1e-5 * moments.x * moments.x);
     float behind = distance - moments.x;
     return behind <= 0.0 ? 1.0 : variance / (variance + behind * behind);
