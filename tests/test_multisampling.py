@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from oitbench.collection import Collection
+from oitbench.geometry import quad
 from oitbench.gl.device import Device
-from oitbench.scene import Scene
+from oitbench.scene import Camera, Material, Object, Scene
 from tests.benchmark import overlapping_quads
 from tests.helpers import collection, opened, random_lists, render, write_method
 
@@ -94,3 +95,14 @@ def test_order_of_draws_does_not_matter_to_masks(device: Device, layers: int) ->
         for seed in range(3):
             frame.render(permutation=seed)
             np.testing.assert_array_equal(frame.image(), first)
+
+
+def test_single_targets_leave_transmittance_alone(device: Device) -> None:
+    """Depth at pixel centers is drawn besides; it must not turn radiance on again."""
+    sheet = Material(coverage=0.5, emission=(5.0, 5.0, 5.0))
+    item = Object("sheet", quad((0, 0, -2), (4, 0, 0), (0, 4, 0)), sheet)
+    scene = Scene("sheet", Camera((0, 0, 0), (0, 0, -1)), (item,))
+    for msaa in (1, 4):
+        with opened(device, scene, f"stochastic[msaa={msaa}]", (16, 16)) as frame:
+            frame.render(transmittance=True)
+            np.testing.assert_allclose(frame.image().mean(), 0.5, atol=0.1)

@@ -90,15 +90,16 @@ class Backdrop:
             copied = self.textures["opaque_depth_copy"]
             self._device.copy(depth, copied, self._size, self._samples)
         if "opaque_depth_single" in self.textures:
-            self._draw_single(view, effects)
+            self._draw_single(view, transmittance, effects)
 
-    def _draw_single(self, view: moderngl.Buffer, effects: Effect) -> None:
+    def _draw_single(self, view: moderngl.Buffer, transmittance: bool, effects: Effect) -> None:
         """Draw the depth at pixel centers, for targets of one sample a pixel."""
         color = self._device.texture(self._size, self._color.texel)
         behind = (color, self.textures["opaque_depth_single"])
         draw_opaque(
-            self._device, self._geometry, view, behind, self._color, 1, False, effects=effects
-        )
+            self._device, self._geometry, view, behind, self._color, 1, transmittance,
+            effects=effects,
+        )  # fmt: skip
         color.release()
 
     def release(self) -> None:

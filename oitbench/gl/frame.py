@@ -338,6 +338,8 @@ class Frame:
             framebuffer.use()  # without a scissor
             self.device.context.copy_framebuffer(framebuffer, self._framebuffers[target])
             framebuffer.release()
+        if entry.name.endswith("snorm"):
+            raise UsageError(f"target {target}: {entry.name} cannot be read; choose half floats")
         kinds = {"f1": np.uint8, "f2": np.float16, "f4": np.float32, "u4": np.uint32}
         data = np.frombuffer(texture.read(), dtype=kinds[entry.dtype])
         texels = data.reshape(size[1], size[0], entry.components)[::-1]

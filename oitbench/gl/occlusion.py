@@ -161,7 +161,7 @@ class Occlusion:
                 texel = _TARGETS[name].texel.bytes
                 moved.append((draw.label, name, "read", texels * items, texel))
             if draw.indices is not None:
-                moved.append((draw.label, draw.writes, "read", items, size))
+                moved.append((draw.label, draw.writes, "blend", items, size))
             moved.append((draw.label, draw.writes, "write", items, size))
         return list(records.values()), moved
 

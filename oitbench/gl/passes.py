@@ -128,12 +128,19 @@ class CompiledPass:
             )
             self._arrays[indices.glo] = array
         array.render(moderngl.TRIANGLES, vertices=3 * count, first=3 * first)
+        self._end()
 
     def draw_screen(self) -> None:
         """Draw one triangle over the frame."""
         if 0 not in self._arrays:
             self._arrays[0] = self.device.context.vertex_array(self.program, [])
         self._arrays[0].render(moderngl.TRIANGLES, vertices=3)
+        self._end()
+
+    def _end(self) -> None:
+        # What was stored in images is next read as textures, copied, or read back.
+        if self.images:
+            self.device.context.memory_barrier()
 
     def forget(self, indices: moderngl.Buffer) -> None:
         """Drop what was kept for an index buffer that is about to be released."""
@@ -205,7 +212,13 @@ def compile_pass(
     if fragments or own != _OPAQUE or not colors:
         centers = blueprint.samples > 1 and prelude.single(step, blueprint.declared)
         depth = textures["opaque_depth_single" if centers and own == _OPAQUE else own]
-    framebuffer = device.context.framebuffer(colors, depth)
+    try:
+        framebuffer = device.context.framebuffer(colors, depth)
+    except moderngl.Error as error:
+        formats = ", ".join(blueprint.declared[name].format for name in step.writes)
+        raise CapabilityError(
+            f"{blueprint.method.label}: {device.renderer} cannot render to {formats} ({error})"
+        ) from error
     writes_depth = depth_writes or step.depth is not None
     compiled = CompiledPass(
         device, step, program, framebuffer, used, images, geometry.vertices, writes_depth,

@@ -236,7 +236,7 @@ class ShadowMaps:
             if draw.clears:
                 moved.append((draw.label, name, "clear", self.side**2, size))
             if draw.indices is not None:
-                moved.append((draw.label, name, "read", items, size))
+                moved.append((draw.label, name, "blend", items, size))
             moved.append((draw.label, name, "write", items, size))
         return moved
 
