@@ -32,7 +32,8 @@ offset : weight of a layer's refraction: its coverage `alpha`, `net` opacity, or
     mean over all refracting layers by coverage (16 more bits a pixel).
 reach : distance behind a surface of the plane that a bent ray is followed to: `background`, the
     opaque surface at the pixel, or `paper`, 2 m.
-radius : of the blur at most, in pixels; its cost grows with the square.
+radius : of the blur at most, in pixels; its cost grows with the square. Blurs beyond it do not scale
+    with the resolution.
 subsample : pixels along each side of the blocks that particles (`Object.particles`) are accumulated
     for, in targets of their own; a joint bilateral filter spreads these over the frame before the
     resolve, and what is finer than a block is lost. All else, fog too, keeps the frame's
@@ -41,7 +42,8 @@ steps : slices of the march. Their points are spread over neighboring pixels, so
     grainy, not banded: 64 err by 1/255 of the displayed range (rms) in a hall of sunbeams, twice as
     many by half. Where density is constant, transmittance is exact with any number.
 precision : `paper` has 16, 8, and 8 bits a channel of A, of beta and D, and of d; with 8 bits the
-    smallest blur is 3.95 pixels, and offsets have steps of half a pixel and end at 63 pixels.
+    smallest blur is 3.95 pixels, and offsets have steps of half a pixel and end at 63 pixels after
+    each layer, so that glass of many strongly bent layers shows streaks in the order of its draws.
     `half` and `float` have that for all targets, and `float` also for the final color.
 
 Source: McGuire & Mara 2017, "Phenomenological transparency", IEEE TVCG, equations 1 to 14 and
@@ -123,6 +125,8 @@ class Phenomenological(Method):
         always = {"U1", "U2", "U3", "U6", "U7", "U8", "U10", "U12"}
         # Hues of a beta that 8 bits hold to one part in three depend on how it was rounded.
         coarse = self.values["precision"] == "paper" and self.values["modulation"] != "none"
+        if self.values["kernel"] == "gaussian":
+            always -= {"U12"}  # `radius` cuts it off at a number of pixels
         return frozenset(always if coarse else always | {"U4"})
 
     @property
