@@ -32,8 +32,8 @@ offset : weight of a layer's refraction: its coverage `alpha`, `net` opacity, or
     mean over all refracting layers by coverage (16 more bits a pixel).
 reach : distance behind a surface of the plane that a bent ray is followed to: `background`, the
     opaque surface at the pixel, or `paper`, 2 m.
-radius : of the blur at most, in pixels; its cost grows with the square. Blurs beyond it do not scale
-    with the resolution.
+radius : of the blur at most, in pixels; its cost grows with the square. Blurs beyond it do not
+    scale with the resolution.
 subsample : pixels along each side of the blocks that particles (`Object.particles`) are accumulated
     for, in targets of their own; a joint bilateral filter spreads these over the frame before the
     resolve, and what is finer than a block is lost. All else, fog too, keeps the frame's
