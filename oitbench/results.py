@@ -222,7 +222,8 @@ def unstable_pixels(record: Mapping[str, Any]) -> int:
 
 def effect_label(effect: str) -> str:
     """Return an effect's name as a reader sees it."""
-    return effect.lower().replace("_", " ")
+    words = effect.lower().split("_")
+    return " ".join("AO" if word == "ao" else word for word in words)
 
 
 def called_effects(record: Mapping[str, Any]) -> list[str]:

@@ -163,12 +163,12 @@ def _figure(results: Results, shown: Sequence[tuple[Panel, list[Effected]]], out
             axes.set_ylabel(f"gain in {results.flip}")
         for axes, (panel, effects) in zip(places, shown, strict=False):
             _write_labels(axes, effects, chosen[panel.slug])
-        methods = ", ".join(f"{panel.title}: {chosen[panel.slug]}" for panel, _ in shown)
+        methods = ", ".join(dict.fromkeys(chosen.values()))
         caption = (
             "Each mark is one effect: right, it costs frame time (bars: 95 % interval); up, it "
             "brings the picture nearer to the path-traced one. Shaded: ties, within its noise. "
-            f"Filled and named: the method that misses the fewest effects ({methods}); hollow: "
-            "other methods."
+            f"Filled and named: the method that misses the fewest of a scene's effects "
+            f"({methods}); hollow: other methods."
         )
         return figures.save(
             figure, out / "ablation", title="Gain in accuracy against cost", caption=caption

@@ -88,7 +88,8 @@ def _variants(
             label = f"without {', '.join(ablation.named)}"
             shown.append(_cell(results, ablation.without, label, (), truth, folder))
             if ablation.implied:
-                gone.append(f"With {', '.join(ablation.named)} go {', '.join(ablation.implied)}.")
+                implied = " and ".join(ablation.implied)
+                gone.append(f"{label.capitalize()}, {implied} would mean nothing: left out too.")
     caption = " ".join(
         [
             f"{complete['method']} with effects left out. Beneath each picture its {results.flip}"

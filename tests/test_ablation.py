@@ -202,7 +202,7 @@ def test_plates_of_methods_of_diffusion_and_of_variants(results: Results, tmp_pa
         "without translucent shadows",
         "without shadows",
     ]
-    assert "With translucent shadows go colored shadows." in variants.caption
+    assert "Without translucent shadows, colored shadows would mean nothing" in variants.caption
 
 
 @pytest.mark.parametrize("name", ["ablation", "payoff", "phenomena"])
