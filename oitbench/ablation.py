@@ -13,20 +13,22 @@ EACH = "each"
 """On the axis of effects: all that are called for, then all but one, for every one in turn."""
 
 NEEDS = {
+    Effect.TRANSLUCENT_SHADOWS: Effect.SHADOWS,
     Effect.COLORED_SHADOWS: Effect.TRANSLUCENT_SHADOWS,
     Effect.CAUSTICS: Effect.TRANSLUCENT_SHADOWS,
     Effect.INFERRED_AO: Effect.AMBIENT_OCCLUSION,
 }
-"""Effects that mean nothing without another one."""
+"""Effects that mean nothing without another one. Variance maps of translucent shadows need to know
+where opaque surfaces receive them."""
 
 
 def leave_out(effects: Effect, left: Effect) -> Effect:
     """Return `effects` without `left`, and without what means nothing without it."""
-    remaining = effects & ~left
+    # From what others need to what needs them, so that one round does.
     for effect, needed in NEEDS.items():
         if needed & left:
-            remaining &= ~effect
-    return remaining
+            left |= effect
+    return effects & ~left
 
 
 def variants(called: Effect, method: Method) -> Iterator[str]:

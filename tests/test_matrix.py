@@ -220,7 +220,7 @@ def test_a_scene_that_cannot_be_built_is_planned_all_the_same(plugins: Path) -> 
 def test_with_an_effect_goes_what_means_nothing_without_it() -> None:
     called = Effect.TRANSLUCENT_SHADOWS | Effect.COLORED_SHADOWS | Effect.CAUSTICS | Effect.SHADOWS
     assert choose_effects("-translucent_shadows", called) == Effect.SHADOWS
-    assert choose_effects("-shadows", called) == called & ~Effect.SHADOWS
+    assert choose_effects("-shadows", called) == Effect.NONE
     assert choose_effects("-caustics", called) == called & ~Effect.CAUSTICS
     occlusion = Effect.AMBIENT_OCCLUSION | Effect.INFERRED_AO
     assert choose_effects("-ambient_occlusion", occlusion) == Effect.NONE
