@@ -38,7 +38,7 @@ SURROUNDINGS = ((-90.0, (0.08, 0.08, 0.08)), (0.0, (0.20, 0.20, 0.21)), (90.0, (
 
 def build(*, name: str, detail: float) -> Scene:
     """Return the floor, the balls in ascending order of index, and the knot."""
-    camera = Camera(position=(0.0, 4.8, 4.0), target=(0.07, 0.34, 0.06), fov_y=math.radians(33.5))
+    camera = Camera(position=(0.0, 4.8, 4.0), target=(0.07, 0.34, 0.06), fov_y=math.radians(45))
     paper = Material(albedo=(0.62, 0.62, 0.62), specular=0.0)
     objects = [Object("floor", quad((0, 0, 0), (30, 0, 0), (0, 0, -30)), paper, casts=False)]
     slices = divisions(96, detail, 12)

@@ -68,7 +68,7 @@ def build(*, name: str, detail: float, distance: float) -> Scene:
         objects.append(Object(f"pane {number}", sheet, glass))
     return Scene(
         name=name,
-        camera=Camera(position=(0, 1.15, 4.3), target=(0, 0.55, 0), fov_y=math.radians(36)),
+        camera=Camera(position=(0, 1.15, 4.3), target=(0, 0.5, 0), fov_y=math.radians(46)),
         objects=tuple(objects),
         lights=(
             DirectionalLight(direction=(0.6, -0.85, -0.8), irradiance=(2.9, 2.8, 2.6)),
