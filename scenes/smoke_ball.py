@@ -44,6 +44,7 @@ VIEWS = {
         camera=Camera((1.6, 3.9, 5.6), (0.0, 1.2, 0.0), fov_y=math.radians(34)),
     ),
 }
+quick = False
 parameters = {
     "detail": Parameter(
         1.0, low=0.0, high=100.0, help="factor on the number of particles; thickness stays the same"

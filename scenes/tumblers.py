@@ -37,6 +37,7 @@ DRINKS: dict[str, RGB] = {
 PALE_CLOTH = Material(albedo=(0.74, 0.72, 0.68), specular=0.0)
 BLUE_CLOTH = Material(albedo=(0.22, 0.32, 0.46), specular=0.0)
 
+quick = False
 parameters = {
     "detail": Parameter(1.0, low=0.0, high=100.0, help="factor on the triangles of a surface"),
 }

@@ -33,6 +33,7 @@ from oitbench import (
 
 class SortedTwoPass(Method):
     expresses = Effect.COVERAGE | Effect.COLORED_TRANSMISSION
+    quick = False
     parameters = {
         "sort": Parameter(
             "object",
