@@ -49,7 +49,7 @@ def points() -> Floats:
     line = (2 * (np.arange(SIZE[0]) + 0.5) / SIZE[0] - 1) * scale
     x, y = np.meshgrid(line, -line)
     ray = x[..., None] * right + y[..., None] * up - back
-    return np.asarray(EYE) + ray * (-EYE[1] / ray[..., 1:2])
+    return np.asarray(np.asarray(EYE) + ray * (-EYE[1] / ray[..., 1:2]))
 
 
 def unit(vectors: Floats) -> Floats:

@@ -103,9 +103,7 @@ def _render(
 ) -> None:
     scene = collection.build_scene(job.scene)
     try:
-        reference = references.render_reference(
-            scene, job.scene, job.size, job.ssaa, spp, seed
-        )
+        reference = references.render_reference(scene, job.scene, job.size, job.ssaa, spp, seed)
     except CapabilityError as error:
         console.print(f"skipped  {error}", style="yellow", markup=False)
         return

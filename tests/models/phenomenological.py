@@ -53,8 +53,9 @@ def blur(
     focal: float, collimation: float, weight: float, z: npt.ArrayLike, behind: npt.ArrayLike
 ) -> Array64:
     """Return one layer's D in pixels; `focal` in pixels, distances in metres."""
-    gap = np.abs(np.subtract(behind, z))
-    return np.asarray(focal * K0 * (1 - collimation) * weight * (1 - K1 / (K1 + gap)) / z)
+    distance = np.asarray(z, dtype=np.float64)
+    gap = np.abs(np.asarray(behind, dtype=np.float64) - distance)
+    return np.asarray(focal * K0 * (1 - collimation) * weight * (1 - K1 / (K1 + gap)) / distance)
 
 
 def bent(toward_eye: Array64, normal: Array64, eta: float) -> Array64:
@@ -74,7 +75,7 @@ def gather(
     out = picture.copy()
     cut = 2.5 if kernel == "gaussian" else 1.0
     for row, column in np.ndindex(height, width):
-        here = blurs[row, column]
+        here = float(blurs[row, column])
         if here == 0:
             continue
         x = int(np.floor(column + 0.5 + offset[row, column, 0]))
