@@ -120,7 +120,7 @@ def test_the_readmes_python_runs(tmp_path: Path) -> None:
         example.replace("size=(256, 256)", "size=(32, 32)"), encoding="utf-8"
     )
     call("python example.py", tmp_path, tmp_path / "cache")
-    assert (tmp_path / "bottles.png").is_file()
+    assert (tmp_path / "glass_bars.png").is_file()
     assert (tmp_path / "trial" / "cells.jsonl").is_file()
 
 
@@ -136,7 +136,7 @@ def test_the_walk_through_works(tmp_path: Path) -> None:
                 assert line.startswith("$ "), line
                 call(line.removeprefix("$ "), work, tmp_path / "cache")
     written = {path.name for path in work.iterdir()}
-    assert {"bottles.png", "panes.png", "trial", "mine"} <= written
+    assert {"glass_bars.png", "panes.png", "trial", "mine"} <= written
     page = (work / "trial" / "report" / "index.html").read_text(encoding="utf-8")
     for name in ("depth_average[power=0]", "weighted_blended", "errors.csv"):
         assert name in page
