@@ -1,4 +1,4 @@
-"""Procedural meshes: flat and curved patches, surfaces of revolution, cards and billboards.
+"""Procedural meshes: flat and curved patches, surfaces of revolution, and copies of them.
 
 All positions are metres in a right-handed space with y up; triangles run counter-clockwise seen
 from the side their normals point to. Every builder returns float32 vertices with uvs and normals.
@@ -13,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 
-from oitbench.scene import RGB, Camera, Mesh
+from oitbench.scene import RGB, Mesh
 
 Floats = npt.NDArray[np.float64]
 
@@ -177,31 +177,6 @@ def scatter(template: Mesh, placements: Floats) -> Mesh:
         normals,
         None if template.radiance is None else np.tile(template.radiance, (count, 1)),
     )
-
-
-def billboards(
-    centers: npt.ArrayLike, radii: npt.ArrayLike, camera: Camera, angles: npt.ArrayLike = 0.0
-) -> Mesh:
-    """Return squares parallel to the image plane of `camera`, so each has one view distance.
-
-    Parameters
-    ----------
-    centers : array, shape (k, 3)
-        World positions, metres.
-    radii : array, shape (k,), or float
-        Half the edge of each square, metres.
-    camera : Camera
-        The squares' normals point along its backward axis.
-    angles : array, shape (k,), or float
-        Rotation in the image plane, radians.
-    """
-    middles = np.asarray(centers, dtype=np.float64)
-    size = np.broadcast_to(np.asarray(radii, dtype=np.float64), len(middles))[:, None]
-    turn = np.broadcast_to(np.asarray(angles, dtype=np.float64), len(middles))[:, None]
-    right, up, _ = camera.axes
-    rights = size * (np.cos(turn) * right + np.sin(turn) * up)
-    ups = size * (np.cos(turn) * up - np.sin(turn) * right)
-    return scatter(quad((0, 0, 0), (1, 0, 0), (0, 1, 0)), frames(middles, rights, ups))
 
 
 def merge(meshes: Sequence[Mesh]) -> Mesh:

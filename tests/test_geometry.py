@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 from oitbench.geometry import (
-    billboards,
     box,
     divisions,
     frames,
@@ -25,7 +24,7 @@ from oitbench.geometry import (
     transform,
     translation,
 )
-from oitbench.scene import Camera, Mesh
+from oitbench.scene import Mesh
 
 CUP = [(0.0, 0.0), (0.5, 0.1), (0.8, 0.6), (0.6, 1.0), (0.0, 1.2)]
 CLOSED = {
@@ -102,21 +101,6 @@ def test_sphere_vertices_lie_on_the_sphere_along_their_normals() -> None:
     mesh = sphere((1, 2, 3), 0.5, 12, 6)
     assert mesh.normals is not None
     np.testing.assert_allclose(mesh.positions, [1, 2, 3] + 0.5 * mesh.normals, atol=1e-6)
-
-
-def test_billboards_each_have_one_view_distance_and_face_the_camera() -> None:
-    camera = Camera(position=(1, 2, 5), target=(0, 0.5, 0))
-    centers = np.random.default_rng(3).uniform(-1, 1, (5, 3))
-    mesh = billboards(centers, np.linspace(0.1, 0.5, 5), camera, np.linspace(0, 3, 5))
-    distances = camera.view_distance(mesh.positions).reshape(5, 4)
-    np.testing.assert_allclose(
-        distances, np.tile(camera.view_distance(centers)[:, None], (1, 4)), atol=1e-5
-    )
-    assert mesh.normals is not None
-    np.testing.assert_allclose(mesh.normals, np.tile(camera.axes[2], (20, 1)), atol=1e-6)
-    reach = np.linalg.norm(mesh.positions.reshape(5, 4, 3) - centers[:, None], axis=2)
-    expected = np.linspace(0.1, 0.5, 5)[:, None] * math.sqrt(2) * np.ones(4)
-    np.testing.assert_allclose(reach, expected, atol=1e-6)
 
 
 def test_scatter_keeps_order_uvs_and_radiance() -> None:

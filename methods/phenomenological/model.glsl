@@ -11,11 +11,6 @@ const float UNIT = 1.0;
 const float LEAST = 0.0;
 #endif
 
-// Linear distance of a window depth, m; infinite for an empty pixel behind an infinite far plane.
-float view_distance(float depth) {
-    return near_plane / max(1.0 - depth * (1.0 - near_plane / far_plane), 1e-30);
-}
-
 // What beta's target takes: what is removed, and the variance of the blur where it has a place.
 #if !defined(EFFECT_DIFFUSION) && PRECISION == PRECISION_PAPER
 vec3 modulation(vec3 removed, float variance) { return removed; }

@@ -1,4 +1,4 @@
-"""The shadow maps of one beam: an opaque one, and variance maps of its colored stochastic shadows.
+"""The shadow maps of one beam: one of what is opaque, and variance maps of what lets light through.
 
 The chain: draw what transmits light into one depth map a channel, each texel with the probability
 that its light is kept back, all channels at once; turn depths into moments; filter them by a tent

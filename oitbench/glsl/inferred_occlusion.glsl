@@ -1,7 +1,6 @@
 // How open a fragment is to the environment. Opaque surfaces, with the interiors of binary coverage,
 // are looked up; a partly covering edge of binary coverage infers it from the interior beside it
 // (McGuire & Mara 2017, section 6 and listing 2); other transparent surfaces are open.
-#include "occlusion_depth.glsl"
 #define OCCLUSION 1
 
 uniform sampler2D openness_texture;
@@ -15,7 +14,7 @@ const float NO_WEIGHT = 1e-4;    // so little that the listing's 0.01 would dark
 vec2 weighted_openness(vec2 offset, float z) {
     ivec2 last = textureSize(openness_texture, 0) - 1;
     ivec2 at = clamp(ivec2(gl_FragCoord.xy + offset), ivec2(0), last);
-    float there = surface_distance(texelFetch(occluders_texture, at, 0).r);
+    float there = view_distance(texelFetch(occluders_texture, at, 0).r);
     float weight = SOFTNESS / (SOFTNESS + abs(z - there));
     return vec2(texelFetch(openness_texture, at, 0).r * weight, weight);
 }

@@ -44,9 +44,7 @@ float density_at(vec3 position) {
 
 // Between near plane and the view distance `behind`; it may leave before it enters.
 Path path_through_medium(float behind) {
-    vec2 ndc = 2.0 * gl_FragCoord.xy / vec2(frame_size) - 1.0;
-    vec2 half_width = vec2(frame_size) / (2.0 * pixel_focal);
-    vec3 direction = transpose(mat3(world_to_camera)) * vec3(ndc * half_width, -1.0);
+    vec3 direction = pixel_ray(gl_FragCoord.xy);
     vec3 safe = mix(direction, vec3(1e-12), lessThan(abs(direction), vec3(1e-12)));
     vec3 one = (medium_low.xyz - eye.xyz) / safe, other = (medium_high.xyz - eye.xyz) / safe;
     vec3 first = min(one, other), last = max(one, other);

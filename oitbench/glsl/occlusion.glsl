@@ -4,14 +4,13 @@
 // 2016, "Practical realtime strategies for accurate indirect occlusion", equations 3 to 7; horizons:
 // Bavoil et al. 2008). The sum over the planes is divided by what it is without any horizon, so that
 // a plane is exactly open, however few planes are used.
-#include "occlusion_depth.glsl"
 
 const float RADIUS = 1e-6 * float(RADIUS_MICROMETRES);   // m
 const float QUARTER = 1.57079632679490;                  // of a turn, radians
 
 // Camera space, m.
 vec3 place_of(ivec2 pixel, float depth) {
-    float z = surface_distance(depth);
+    float z = view_distance(depth);
     vec2 slope = (vec2(pixel) + 0.5 - 0.5 * vec2(frame_size)) / pixel_focal;
     return vec3(slope * z, -z);
 }

@@ -1,6 +1,5 @@
 // Averages openness over its pattern of 4 x 4 pixels, on the surface that each pixel shows. The box
 // is centered: the fifth row is the first one of the next pattern, and each counts half.
-#include "occlusion_depth.glsl"
 
 // Part of the radius by which a pixel's distance may differ until it does not count at all.
 const float SAME = 0.25;
@@ -12,12 +11,12 @@ void resolve() {
     if (depth >= 1.0) {
         discard;
     }
-    float z = surface_distance(depth);
+    float z = view_distance(depth);
     float sum = 0.0, weights = 0.0;
     for (int y = -2; y <= 2; ++y) {
         for (int x = -2; x <= 2; ++x) {
             ivec2 at = clamp(pixel + ivec2(x, y), ivec2(0), last);
-            float away = abs(surface_distance(read_occluders(at)) - z);
+            float away = abs(view_distance(read_occluders(at)) - z);
             float weight = max(1.0 - away / (SAME * RADIUS), 0.0);
             weight *= (abs(x) == 2 ? 0.5 : 1.0) * (abs(y) == 2 ? 0.5 : 1.0);
             sum += weight * read_raw(at);
