@@ -12,6 +12,7 @@ from oitbench.declare import Draws, Interleaved, Loop, Method, Order, Pass, Step
 from oitbench.effects import Effect
 from oitbench.errors import CapabilityError, DeclarationError, UsageError
 from oitbench.gl.backdrop import Backdrop
+from oitbench.gl.chain import Moved
 from oitbench.gl.device import Device
 from oitbench.gl.geometry import Geometry
 from oitbench.gl.lighting import Lighting, lighting_of
@@ -20,7 +21,6 @@ from oitbench.gl.opaque import DEPTH, count_fragments
 from oitbench.gl.passes import Blueprint, attach, compile_pass
 from oitbench.gl.prelude import TILE, bind
 from oitbench.gl.resources import Counts, Resources
-from oitbench.gl.shadows import Moved
 from oitbench.gl.steps import (
     CompiledStep,
     Drawn,

@@ -9,11 +9,12 @@ import numpy as np
 import numpy.typing as npt
 
 from oitbench.effects import SHADING, Effect
+from oitbench.gl.chain import Moved
 from oitbench.gl.device import Device
 from oitbench.gl.fog import Fog
 from oitbench.gl.geometry import Geometry
 from oitbench.gl.prelude import LIGHTS_BINDING, MEDIUM_BINDING
-from oitbench.gl.shadows import Moved, ShadowMaps
+from oitbench.gl.shadows import ShadowMaps
 from oitbench.gl.steps import PassRecord
 from oitbench.gl.view import Projection, light_projection
 from oitbench.lights import PENUMBRA, DirectionalLight, EnvironmentLight, SpotLight
