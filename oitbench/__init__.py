@@ -5,7 +5,8 @@ from __future__ import annotations
 import importlib
 from typing import TYPE_CHECKING, Any
 
-from oitbench.declare import (
+from oitbench.effects import Effect
+from oitbench.method.declaration import (
     ADD,
     ATTENUATE,
     COMPOSITE,
@@ -31,21 +32,20 @@ from oitbench.declare import (
     Step,
     Target,
 )
-from oitbench.effects import Effect
-from oitbench.selector import Parameter
+from oitbench.parameters import Parameter
 
 if TYPE_CHECKING:
-    from oitbench.matrix import execute as run
-    from oitbench.picture import render
-    from oitbench.regression import compare
+    from oitbench.matrix.picture import render
+    from oitbench.matrix.run import execute as run
+    from oitbench.results.comparison import compare
 
 __version__ = "0.1.0"
 
 # The verbs of the command line; what renders is imported when it is called.
 _VERBS = {
-    "run": ("oitbench.matrix", "execute"),
-    "render": ("oitbench.picture", "render"),
-    "compare": ("oitbench.regression", "compare"),
+    "run": ("oitbench.matrix.run", "execute"),
+    "render": ("oitbench.matrix.picture", "render"),
+    "compare": ("oitbench.results.comparison", "compare"),
 }
 
 

@@ -15,13 +15,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from oitbench import palette
-from oitbench import results as read
 from oitbench.effects import Effect, names
-from oitbench.report import Artifact, Column, Figure, Note, figures, labels, write_table
+from oitbench.report import Artifact, Column, Figure, Note, figures, labels, palette, write_table
 from oitbench.report.artifacts import Value
-from oitbench.results import MEBIBYTE, MEGABYTE, PATH_TRACED, Ablation, Panel, Results
-from oitbench.store import Record
+from oitbench.results import records as read
+from oitbench.results.records import MEBIBYTE, MEGABYTE, PATH_TRACED, Ablation, Panel, Results
+from oitbench.results.store import Record
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -8,11 +8,11 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from oitbench import results as read
 from oitbench.report import Artifact, ImageGrid, Note, Tile, fixed, plates
 from oitbench.report.plates import Shown
-from oitbench.results import EXACT, PATH_TRACED, TRUTHS, Panel, Results
-from oitbench.store import Record
+from oitbench.results import records as read
+from oitbench.results.records import EXACT, PATH_TRACED, TRUTHS, Panel, Results
+from oitbench.results.store import Record
 
 title = "Pictures and error maps"
 order = 30

@@ -11,10 +11,19 @@ import math
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from oitbench import palette
-from oitbench import results as read
-from oitbench.report import Artifact, Column, Figure, Note, Table, figures, labels, write_table
-from oitbench.results import PATH_TRACED, TRUTHS, Panel, Results
+from oitbench.report import (
+    Artifact,
+    Column,
+    Figure,
+    Note,
+    Table,
+    figures,
+    labels,
+    palette,
+    write_table,
+)
+from oitbench.results import records as read
+from oitbench.results.records import PATH_TRACED, TRUTHS, Panel, Results
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

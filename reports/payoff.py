@@ -10,11 +10,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from oitbench import results as read
 from oitbench.report import Artifact, Column, Note, fixed, write_table
 from oitbench.report.artifacts import Value
-from oitbench.results import PATH_TRACED, Panel, Results
-from oitbench.store import Record
+from oitbench.results import records as read
+from oitbench.results.records import PATH_TRACED, Panel, Results
+from oitbench.results.store import Record
 
 title = "Where expressing more effects pays"
 order = 25

@@ -7,12 +7,12 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from oitbench import results as read
-from oitbench.images import Image
+from oitbench.image.files import Image
 from oitbench.report import Artifact, Figure, Note, Tile, figures, fixed, plates
 from oitbench.report.plates import Shown
-from oitbench.results import PATH_TRACED, TRUTHS, Panel, Results
-from oitbench.store import Record
+from oitbench.results import records as read
+from oitbench.results.records import PATH_TRACED, TRUTHS, Panel, Results
+from oitbench.results.store import Record
 
 title = "Phenomena"
 order = 32

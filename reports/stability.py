@@ -10,7 +10,7 @@ from pathlib import Path
 
 from oitbench.report import Artifact, Column, Note, decimal, write_table
 from oitbench.report.artifacts import Value
-from oitbench.results import Results
+from oitbench.results.records import Results
 from oitbench.stability import files
 from oitbench.stability.finding import BREAKS, DOES_NOT_APPLY, HOLDS, Finding
 

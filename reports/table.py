@@ -8,12 +8,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from oitbench import metrics
-from oitbench import results as read
+from oitbench.image import metrics
 from oitbench.report import Artifact, Column, Note, write_table
 from oitbench.report.artifacts import Value
-from oitbench.results import EXACT, PATH_TRACED, Panel, Results
-from oitbench.store import Record
+from oitbench.results import records as read
+from oitbench.results.records import EXACT, PATH_TRACED, Panel, Results
+from oitbench.results.store import Record
 
 title = "All results"
 order = 20

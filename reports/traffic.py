@@ -9,12 +9,11 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from oitbench import palette
-from oitbench import results as read
-from oitbench.report import Artifact, Column, Figure, Note, decimal, figures, write_table
+from oitbench.report import Artifact, Column, Figure, Note, decimal, figures, palette, write_table
 from oitbench.report.artifacts import Value
-from oitbench.results import MEGABYTE, Panel, Results
-from oitbench.store import Record
+from oitbench.results import records as read
+from oitbench.results.records import MEGABYTE, Panel, Results
+from oitbench.results.store import Record
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -15,12 +15,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from oitbench.architecture import arch, column, repeated, slab
-from oitbench.bake import normals_of, with_radiance
-from oitbench.geometry import divisions, grid, lathe, merge, rotation, smooth_curve, transform
-from oitbench.lights import EnvironmentLight, Medium
-from oitbench.scene import RGB, Camera, Material, Mesh, Object, Scene
-from oitbench.selector import Parameter
+from oitbench.modeling.baking import normals_of, with_radiance
+from oitbench.modeling.mesh import divisions, grid, lathe, merge, rotation, smooth_curve, transform
+from oitbench.modeling.props.architecture import arch, column, repeated, slab
+from oitbench.parameters import Parameter
+from oitbench.scene import RGB, Camera, EnvironmentLight, Material, Medium, Mesh, Object, Scene
 
 quick = False
 parameters = {

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from oitbench.geometry import (
+from oitbench.modeling.mesh import (
     Floats,
     divisions,
     lathe,
@@ -24,10 +24,9 @@ from oitbench.geometry import (
     transform,
     translation,
 )
-from oitbench.lights import DirectionalLight
-from oitbench.scene import RGB, Camera, Material, Mesh, Object, Scene
-from oitbench.selector import Parameter
-from oitbench.skies import gradient_sky
+from oitbench.modeling.skies import gradient_sky
+from oitbench.parameters import Parameter
+from oitbench.scene import RGB, Camera, DirectionalLight, Material, Mesh, Object, Scene
 
 parameters = {
     "detail": Parameter(1.0, low=0.0, high=100.0, help="factor on the triangles of a surface"),

@@ -13,11 +13,10 @@ import math
 
 import numpy as np
 
-from oitbench.geometry import Floats, divisions, quad, sphere
-from oitbench.lights import SpotLight
-from oitbench.scene import RGB, Camera, Material, Mesh, Object, Scene
-from oitbench.selector import Parameter
-from oitbench.skies import gradient_sky
+from oitbench.modeling.mesh import Floats, divisions, quad, sphere
+from oitbench.modeling.skies import gradient_sky
+from oitbench.parameters import Parameter
+from oitbench.scene import RGB, Camera, Material, Mesh, Object, Scene, SpotLight
 
 quick = False
 parameters = {

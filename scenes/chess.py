@@ -9,12 +9,21 @@ from __future__ import annotations
 
 import math
 
-from oitbench.chessmen import man
-from oitbench.geometry import box, grid, merge, rotation, transform, translation
-from oitbench.lights import DirectionalLight, EnvironmentLight
-from oitbench.patterns import Window, checkers, room
-from oitbench.scene import RGB, Camera, Material, Mesh, Object, Scene, Texture
-from oitbench.selector import Parameter
+from oitbench.modeling.mesh import box, grid, merge, rotation, transform, translation
+from oitbench.modeling.patterns import Window, checkers, room
+from oitbench.modeling.props.chessmen import man
+from oitbench.parameters import Parameter
+from oitbench.scene import (
+    RGB,
+    Camera,
+    DirectionalLight,
+    EnvironmentLight,
+    Material,
+    Mesh,
+    Object,
+    Scene,
+    Texture,
+)
 
 KING_HEIGHT, SQUARE = 0.9, 0.48
 GROUND_REACH = 60.0

@@ -15,8 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from oitbench.architecture import globe, lamp_post, repeated, slab
-from oitbench.geometry import (
+from oitbench.modeling.mesh import (
     divisions,
     frames,
     grid,
@@ -28,10 +27,22 @@ from oitbench.geometry import (
     transform,
     translation,
 )
-from oitbench.lights import EnvironmentLight, Medium, SpotLight, sample_density
-from oitbench.people import limb, man, woman
-from oitbench.scene import RGB, Camera, Material, Mesh, Object, Scene, Texture
-from oitbench.selector import Parameter
+from oitbench.modeling.props.architecture import globe, lamp_post, repeated, slab
+from oitbench.modeling.props.people import limb, man, woman
+from oitbench.parameters import Parameter
+from oitbench.scene import (
+    RGB,
+    Camera,
+    EnvironmentLight,
+    Material,
+    Medium,
+    Mesh,
+    Object,
+    Scene,
+    SpotLight,
+    Texture,
+    sample_density,
+)
 
 Floats = npt.NDArray[np.float64]
 

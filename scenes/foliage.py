@@ -18,7 +18,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from oitbench.bake import (
+from oitbench.modeling.baking import (
     Floats,
     Rig,
     cone,
@@ -28,7 +28,7 @@ from oitbench.bake import (
     tint,
     with_radiance,
 )
-from oitbench.geometry import (
+from oitbench.modeling.mesh import (
     divisions,
     grid,
     lathe,
@@ -39,7 +39,7 @@ from oitbench.geometry import (
     transform,
     translation,
 )
-from oitbench.leaves import (
+from oitbench.modeling.props.leaves import (
     Leaves,
     Plant,
     blossom,
@@ -50,10 +50,9 @@ from oitbench.leaves import (
     ovate,
     place_leaves,
 )
-from oitbench.lights import DirectionalLight
-from oitbench.scene import RGB, WHITE, Camera, Material, Mesh, Object, Scene
-from oitbench.selector import Parameter
-from oitbench.skies import gradient_sky
+from oitbench.modeling.skies import gradient_sky
+from oitbench.parameters import Parameter
+from oitbench.scene import RGB, WHITE, Camera, DirectionalLight, Material, Mesh, Object, Scene
 
 parameters = {
     "detail": Parameter(1.0, low=0.0, high=100.0, help="factor on the number of leaves"),

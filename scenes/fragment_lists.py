@@ -11,8 +11,8 @@ import numpy as np
 import numpy.typing as npt
 
 from oitbench.errors import UsageError
+from oitbench.parameters import Parameter
 from oitbench.scene import Camera, FragmentLists, Scene
-from oitbench.selector import Parameter
 
 NEAREST, FARTHEST = 0.5, 20.0
 LARGEST_GAP = 1e-3

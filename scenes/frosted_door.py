@@ -12,12 +12,11 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
-from oitbench.architecture import lettering, repeated, slab
-from oitbench.geometry import divisions, grid, merge, rotation, transform, translation
-from oitbench.lights import EnvironmentLight, SpotLight
-from oitbench.people import hand, limb, man, woman_without_arms
-from oitbench.scene import RGB, Camera, Material, Mesh, Object, Scene
-from oitbench.selector import Parameter
+from oitbench.modeling.mesh import divisions, grid, merge, rotation, transform, translation
+from oitbench.modeling.props.architecture import lettering, repeated, slab
+from oitbench.modeling.props.people import hand, limb, man, woman_without_arms
+from oitbench.parameters import Parameter
+from oitbench.scene import RGB, Camera, EnvironmentLight, Material, Mesh, Object, Scene, SpotLight
 
 quick = False
 parameters = {

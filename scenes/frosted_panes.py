@@ -11,12 +11,11 @@ from __future__ import annotations
 
 import math
 
-from oitbench.geometry import box, divisions, grid, rotation, transform, translation
-from oitbench.lights import DirectionalLight, EnvironmentLight
-from oitbench.patterns import checkered_box, checkers, room
-from oitbench.scene import RGB, Camera, Material, Object, Scene
-from oitbench.selector import Parameter
-from oitbench.teapot import teapot
+from oitbench.modeling.mesh import box, divisions, grid, rotation, transform, translation
+from oitbench.modeling.patterns import checkered_box, checkers, room
+from oitbench.modeling.props.teapot import teapot
+from oitbench.parameters import Parameter
+from oitbench.scene import RGB, Camera, DirectionalLight, EnvironmentLight, Material, Object, Scene
 
 COLLIMATIONS = (1.0, 0.9, 0.75, 0.5, 0.25)
 PITCH, WIDTH, HEIGHT = 0.72, 0.64, 1.45

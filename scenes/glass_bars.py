@@ -12,10 +12,10 @@ import math
 
 import numpy as np
 
-from oitbench.bake import Floats, with_radiance
-from oitbench.geometry import divisions, frames, grid, scatter
+from oitbench.modeling.baking import Floats, with_radiance
+from oitbench.modeling.mesh import divisions, frames, grid, scatter
+from oitbench.parameters import Parameter
 from oitbench.scene import RGB, WHITE, Camera, Material, Mesh, Object, Scene
-from oitbench.selector import Parameter
 
 # Transmission of one bar. No channel is black, so that crossings of opposite colors stay legible.
 GLASS: dict[str, RGB] = {

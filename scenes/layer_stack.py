@@ -12,9 +12,9 @@ import math
 import numpy as np
 
 from oitbench.errors import UsageError
-from oitbench.geometry import divisions, grid
+from oitbench.modeling.mesh import divisions, grid
+from oitbench.parameters import Parameter
 from oitbench.scene import RGB, WHITE, Camera, Material, Object, Scene
-from oitbench.selector import Parameter
 
 PALETTES: dict[str, tuple[RGB, ...]] = {
     "spectrum": (

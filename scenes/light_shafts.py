@@ -14,12 +14,22 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from oitbench.architecture import column, repeated, slab, window_wall
-from oitbench.geometry import divisions, grid, merge, rotation, transform, translation
-from oitbench.lights import DirectionalLight, EnvironmentLight, Medium, sample_density
-from oitbench.people import woman
-from oitbench.scene import RGB, Camera, Material, Mesh, Object, Scene
-from oitbench.selector import Parameter
+from oitbench.modeling.mesh import divisions, grid, merge, rotation, transform, translation
+from oitbench.modeling.props.architecture import column, repeated, slab, window_wall
+from oitbench.modeling.props.people import woman
+from oitbench.parameters import Parameter
+from oitbench.scene import (
+    RGB,
+    Camera,
+    DirectionalLight,
+    EnvironmentLight,
+    Material,
+    Medium,
+    Mesh,
+    Object,
+    Scene,
+    sample_density,
+)
 
 Floats = npt.NDArray[np.float64]
 

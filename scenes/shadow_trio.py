@@ -13,12 +13,11 @@ import math
 
 import numpy as np
 
-from oitbench.geometry import divisions, quad, sphere
-from oitbench.lights import DirectionalLight
-from oitbench.particles import fill, puff, shared_coverage, sprites
-from oitbench.scene import RGB, Camera, Material, Mesh, Object, Scene
-from oitbench.selector import Parameter
-from oitbench.skies import gradient_sky
+from oitbench.modeling.mesh import divisions, quad, sphere
+from oitbench.modeling.particles import fill, puff, shared_coverage, sprites
+from oitbench.modeling.skies import gradient_sky
+from oitbench.parameters import Parameter
+from oitbench.scene import RGB, Camera, DirectionalLight, Material, Mesh, Object, Scene
 
 quick = False
 parameters = {

@@ -14,7 +14,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from oitbench.geometry import (
+from oitbench.modeling.mesh import (
     box,
     divisions,
     lathe,
@@ -25,11 +25,10 @@ from oitbench.geometry import (
     transform,
     translation,
 )
-from oitbench.lights import DirectionalLight
-from oitbench.particles import fill, puff, shared_coverage, sprites
-from oitbench.scene import RGB, Camera, Material, Mesh, Object, Scene
-from oitbench.selector import Parameter
-from oitbench.skies import gradient_sky
+from oitbench.modeling.particles import fill, puff, shared_coverage, sprites
+from oitbench.modeling.skies import gradient_sky
+from oitbench.parameters import Parameter
+from oitbench.scene import RGB, Camera, DirectionalLight, Material, Mesh, Object, Scene
 
 quick = False
 parameters = {

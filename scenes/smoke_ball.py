@@ -14,12 +14,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from oitbench.geometry import box, quad
-from oitbench.lights import DirectionalLight
-from oitbench.particles import puff, random_directions, shared_coverage, sprites
-from oitbench.scene import RGB, Camera, Material, Mesh, Object, Scene
-from oitbench.selector import Parameter
-from oitbench.skies import gradient_sky
+from oitbench.modeling.mesh import box, quad
+from oitbench.modeling.particles import puff, random_directions, shared_coverage, sprites
+from oitbench.modeling.skies import gradient_sky
+from oitbench.parameters import Parameter
+from oitbench.scene import RGB, Camera, DirectionalLight, Material, Mesh, Object, Scene
 
 
 @dataclass(frozen=True)

@@ -12,12 +12,21 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from oitbench.geometry import merge, rotation, transform, translation
-from oitbench.glassware import Vessel, ice_cube, tumbler, wine_glass
-from oitbench.lights import EnvironmentLight, SpotLight
-from oitbench.patterns import Window, checkers, room
-from oitbench.scene import RGB, Camera, Material, Mesh, Object, Scene, Texture
-from oitbench.selector import Parameter
+from oitbench.modeling.mesh import merge, rotation, transform, translation
+from oitbench.modeling.patterns import Window, checkers, room
+from oitbench.modeling.props.glassware import Vessel, ice_cube, tumbler, wine_glass
+from oitbench.parameters import Parameter
+from oitbench.scene import (
+    RGB,
+    Camera,
+    EnvironmentLight,
+    Material,
+    Mesh,
+    Object,
+    Scene,
+    SpotLight,
+    Texture,
+)
 
 FOOT_GAP = 0.005
 """Metres between the cloth and what stands on it: coincident surfaces have no right picture."""

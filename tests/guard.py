@@ -6,7 +6,9 @@ from collections.abc import Sequence
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from oitbench import baseline, matrix, regression
+from oitbench.matrix import run as matrix
+from oitbench.results import baseline
+from oitbench.results import comparison as regression
 
 BASELINE = Path(__file__).with_name("baseline.json")
 SCENES = (

@@ -12,13 +12,13 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from oitbench.collection import Collection
-from oitbench.declare import Draws, Method, Pass, Target
 from oitbench.effects import Effect
 from oitbench.gl.device import Device
+from oitbench.gl.draws.steps import passes_of
 from oitbench.gl.frame import Frame, Image
 from oitbench.gl.geometry import Geometry
-from oitbench.gl.steps import passes_of
+from oitbench.method.declaration import Draws, Method, Pass, Target
+from oitbench.plugins import Collection
 from oitbench.scene import RGB, Camera, FragmentLists, Scene
 
 Array64 = npt.NDArray[np.float64]

@@ -14,7 +14,7 @@ from pathlib import Path
 import pytest
 
 from oitbench.cli import VERBS
-from oitbench.collection import own_folder
+from oitbench.plugins import own_folder
 
 ROOT = own_folder()
 PAGES = sorted(ROOT.glob("*.md"))
@@ -104,7 +104,7 @@ def test_the_readme_names_scripts_that_can_be_run() -> None:
 
 def test_the_readme_asks_for_what_can_be_had(tmp_path: Path) -> None:
     """Plan what the page asks for, without rendering it."""
-    from oitbench import matrix
+    from oitbench.matrix import run as matrix
 
     (line,) = [line for line in commands("README.md") if line.startswith("oitbench run")]
     asked = {

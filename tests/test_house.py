@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from oitbench.collection import own_folder
+from oitbench.plugins import own_folder
 
 ROOT = own_folder()
 ENGINE = ROOT / "oitbench"
@@ -116,7 +116,7 @@ def test_the_engine_imports_no_content(path: Path) -> None:
 def test_shaders_include_their_own_files_or_the_engines(path: Path) -> None:
     for name in re.findall(r'#include\s+"([^"]+)"', path.read_text(encoding="utf-8")):
         assert "/" not in name
-        assert (path.parent / name).is_file() or (ENGINE / "glsl" / name).is_file(), name
+        assert (path.parent / name).is_file() or (ENGINE / "gl" / "shaders" / name).is_file(), name
 
 
 def test_listing_imports_nothing_heavy() -> None:

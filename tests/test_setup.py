@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pytest
 
-from oitbench.collection import KINDS, own_folder
+from oitbench.plugins import KINDS, own_folder
 
 ROOT = own_folder()
 
@@ -84,7 +84,7 @@ def test_the_wheel_lists_what_the_checkout_has(installed: Path, tmp_path: Path) 
 
 
 def test_the_wheel_renders(installed: Path, tmp_path: Path) -> None:
-    from oitbench import images
+    from oitbench.image import files as images
 
     scene, method = "layer_stack[count=2,palette=grey]", "alpha_blend"
     render: list[str | Path] = [installed / "oitbench", "render", scene, method, "--size", "32x32"]

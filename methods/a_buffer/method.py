@@ -43,7 +43,7 @@ from oitbench import (
     Step,
     Target,
 )
-from oitbench.linked_lists import CAPTURE, LISTS, RECORD_STEPS, linked_lists
+from oitbench.method.kits.linked_lists import CAPTURE, LISTS, RECORD_STEPS, linked_lists
 
 _ROUNDS = 1 << 16
 

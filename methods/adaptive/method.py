@@ -57,7 +57,7 @@ from oitbench import (
     Step,
     Target,
 )
-from oitbench.linked_lists import LISTS, RECORD_STEPS, REVERSE, linked_lists
+from oitbench.method.kits.linked_lists import LISTS, RECORD_STEPS, REVERSE, linked_lists
 
 _FAR, _FAR_PACKED = 2.0**127, 0xFE0000FF  # nodes that hide nothing
 _MOST_FLOAT_NODES = 16

@@ -33,7 +33,7 @@ opaque layer counts as one that lets 1e-5 pass.
 """
 
 from oitbench import Parameter
-from oitbench.absorbance import AbsorbanceMap
+from oitbench.method.kits.absorbance import AbsorbanceMap
 
 
 class FourierMap(AbsorbanceMap):

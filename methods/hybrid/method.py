@@ -36,7 +36,7 @@ from oitbench import (
     Step,
     Target,
 )
-from oitbench.bounded_nodes import STEPS, node_targets
+from oitbench.method.kits.bounded_nodes import STEPS, node_targets
 
 
 class Hybrid(Method):

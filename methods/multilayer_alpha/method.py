@@ -38,7 +38,7 @@ from oitbench import (
     Step,
     Target,
 )
-from oitbench.bounded_nodes import NODES, STEPS, node_targets
+from oitbench.method.kits.bounded_nodes import NODES, STEPS, node_targets
 
 
 class MultilayerAlpha(Method):

@@ -26,7 +26,7 @@ def command() -> None:
 )
 def save(results: Path, out: Path) -> None:
     """Write the baseline of RESULTS: a small file without times and paths, to be committed."""
-    from oitbench.baseline import save as save_baseline
+    from oitbench.results.baseline import save as save_baseline
 
     rows = save_baseline(results, out).rows
     click.echo(f"{out}: {len(rows)} cells")
@@ -45,6 +45,6 @@ def save(results: Path, out: Path) -> None:
 def check(results: Path, baseline: Path, as_json: bool) -> None:
     """Hold RESULTS against a baseline; exit with 1 on a regression."""
     from oitbench.cli.compare import tell
-    from oitbench.regression import compare
+    from oitbench.results.comparison import compare
 
     tell(compare(results, baseline), as_json)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import click
 
 if TYPE_CHECKING:
-    from oitbench.regression import Comparison
+    from oitbench.results.comparison import Comparison
 
 _WIDE = 200
 
@@ -25,7 +25,7 @@ def command(results: Path, baseline: Path, as_json: bool) -> None:
     The exit code is 1 if a quality metric became worse by more than its tolerance, if a count
     changed, or if a cell is on one side alone. Frame times are told and never fail.
     """
-    from oitbench.regression import compare
+    from oitbench.results.comparison import compare
 
     tell(compare(results, baseline), as_json)
 

@@ -50,7 +50,7 @@ def _path_tracer() -> bool:
 
 
 def _plugins(collections: tuple[Path, ...]) -> bool:
-    from oitbench.collection import Collection
+    from oitbench.plugins import Collection
 
     try:
         collection = Collection.load(collections)

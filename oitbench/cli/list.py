@@ -8,12 +8,12 @@ from typing import Any
 
 import click
 
-from oitbench import selector
+from oitbench import parameters as selector
 from oitbench.cli import options
-from oitbench.collection import Collection
 from oitbench.effects import Effect
 from oitbench.errors import DeclarationError
-from oitbench.selector import Parameter
+from oitbench.parameters import Parameter
+from oitbench.plugins import Collection
 
 KINDS = ("methods", "scenes", "effects", "reports")
 

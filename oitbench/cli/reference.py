@@ -11,10 +11,11 @@ import click
 from rich.console import Console
 
 from oitbench.cli import options
-from oitbench.collection import Collection, own_folder
 from oitbench.errors import CapabilityError, UsageError
-from oitbench.path_traced import references, stored
-from oitbench.path_traced.stored import Reference
+from oitbench.path_traced.references import obtain as references
+from oitbench.path_traced.references import stored
+from oitbench.path_traced.references.stored import Reference
+from oitbench.plugins import Collection, own_folder
 
 _CHECK_SPP = 4
 _CHECK_SEED = 2

@@ -34,8 +34,8 @@ def command(
     collections: tuple[Path, ...],
 ) -> None:
     """Render SCENE with METHOD; both as NAME[param=v], METHOD also as a folder."""
-    from oitbench import images
-    from oitbench.picture import render
+    from oitbench.image import files as images
+    from oitbench.matrix.picture import render
 
     if out.suffix not in (".exr", ".png"):
         raise UsageError(f"{out}: unknown kind of picture; end it in .exr or .png")

@@ -21,7 +21,7 @@ from oitbench.cli import options
 @options.collections
 def command(results: Path, out: Path | None, hdr: bool, collections: tuple[Path, ...]) -> None:
     """Write the report of RESULTS: every figure as PNG and PDF, every table as CSV, one page."""
-    from oitbench.collection import Collection
+    from oitbench.plugins import Collection
     from oitbench.report import write
 
     page = write(results, out, Collection.load(collections).reports, hdr=hdr)

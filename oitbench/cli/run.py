@@ -54,9 +54,9 @@ def command(
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
 
-    from oitbench import matrix
-    from oitbench.cell import Cell
-    from oitbench.store import Record
+    from oitbench.matrix import run as matrix
+    from oitbench.matrix.cell import Cell
+    from oitbench.results.store import Record
 
     asked = matrix.plan(
         scenes, methods, preset, size, effects, ssaa, out, collections, seed, force,

@@ -41,8 +41,8 @@ def command(
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
 
-    from oitbench.collection import Collection
     from oitbench.gl.device import Device
+    from oitbench.plugins import Collection
     from oitbench.stability import files, suite
 
     collection = Collection.load(collections)

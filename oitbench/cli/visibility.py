@@ -48,8 +48,8 @@ def command(
     collections: tuple[Path, ...],
 ) -> None:
     """Measure the exact and every method's visibility curve at one pixel of SCENE."""
-    from oitbench import visibility
-    from oitbench.collection import Collection
+    from oitbench.measure import visibility
+    from oitbench.plugins import Collection
     from oitbench.report.visibility import write
 
     curves = visibility.measure(scene, pixel, methods, size, collections)

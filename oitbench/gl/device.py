@@ -11,9 +11,9 @@ import moderngl
 import numpy as np
 import numpy.typing as npt
 
-from oitbench.declare import Blend
 from oitbench.errors import CapabilityError, unknown
-from oitbench.formats import Format
+from oitbench.method.declaration import Blend
+from oitbench.method.formats import Format
 
 CAPABILITIES: dict[str, tuple[str, ...]] = {
     "dual_source": ("GL_ARB_blend_func_extended",),

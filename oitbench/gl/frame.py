@@ -7,21 +7,11 @@ import time
 import numpy as np
 import numpy.typing as npt
 
-from oitbench.collection import folder_of
-from oitbench.declare import Draws, Interleaved, Loop, Method, Order, Pass, Step, Target
 from oitbench.effects import Effect
 from oitbench.errors import CapabilityError, DeclarationError, UsageError
-from oitbench.gl.backdrop import Backdrop
-from oitbench.gl.chain import Moved
 from oitbench.gl.device import Device
-from oitbench.gl.geometry import Geometry
-from oitbench.gl.lighting import Lighting, lighting_of
-from oitbench.gl.occlusion import Occlusion, occlusion_of
-from oitbench.gl.opaque import DEPTH, count_fragments
-from oitbench.gl.passes import Blueprint, attach, compile_pass
-from oitbench.gl.prelude import TILE, bind
-from oitbench.gl.resources import Counts, Resources
-from oitbench.gl.steps import (
+from oitbench.gl.draws.chain import Moved
+from oitbench.gl.draws.steps import (
     CompiledStep,
     Drawn,
     Issuer,
@@ -32,7 +22,17 @@ from oitbench.gl.steps import (
     runs,
     unneeded,
 )
+from oitbench.gl.geometry import Geometry
+from oitbench.gl.program.passes import Blueprint, attach, compile_pass
+from oitbench.gl.program.prelude import TILE, bind
+from oitbench.gl.resources import Counts, Resources
+from oitbench.gl.shading.backdrop import Backdrop
+from oitbench.gl.shading.lighting import Lighting, lighting_of
+from oitbench.gl.shading.occlusion import Occlusion, occlusion_of
+from oitbench.gl.shading.opaque import DEPTH, count_fragments
 from oitbench.gl.view import view_block
+from oitbench.method.declaration import Draws, Interleaved, Loop, Method, Order, Pass, Step, Target
+from oitbench.plugins import folder_of
 
 Image = npt.NDArray[np.float32]
 _ATTEMPTS = 4

@@ -11,15 +11,15 @@ import moderngl
 import numpy as np
 import numpy.typing as npt
 
-from oitbench.declare import Objects, Order
 from oitbench.effects import Effect
 from oitbench.errors import SceneError, UsageError
 from oitbench.gl.device import Device
+from oitbench.method.declaration import Objects, Order
 from oitbench.scene import BLACK, FragmentLists, Material, Object, Scene, Texture
-from oitbench.texturing import premultiplied_pyramid
+from oitbench.scene.texturing import premultiplied_pyramid
 
 if TYPE_CHECKING:
-    from oitbench.gl.lighting import Lighting
+    from oitbench.gl.shading.lighting import Lighting
 
 VERTEX = np.dtype(
     [

@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import numpy as np
 
-from oitbench.declare import Buffer, Draws, Items, Method, Order, Pass, Target
 from oitbench.effects import SHADING
 from oitbench.gl.device import Device
 from oitbench.gl.geometry import Geometry
-from oitbench.gl.lighting import lighting_of
-from oitbench.gl.occlusion import occlusion_of
-from oitbench.gl.opaque import DEPTH, count_fragments, draw_opaque
-from oitbench.gl.passes import Blueprint, compile_pass
-from oitbench.gl.prelude import TILE, bind
+from oitbench.gl.program.passes import Blueprint, compile_pass
+from oitbench.gl.program.prelude import TILE, bind
 from oitbench.gl.resources import Resources
+from oitbench.gl.shading.lighting import lighting_of
+from oitbench.gl.shading.occlusion import occlusion_of
+from oitbench.gl.shading.opaque import DEPTH, count_fragments, draw_opaque
 from oitbench.gl.view import view_block
+from oitbench.method.declaration import Buffer, Draws, Items, Method, Order, Pass, Target
 from oitbench.scene import FragmentLists
 
 _BUFFERS = {

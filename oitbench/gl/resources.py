@@ -10,11 +10,11 @@ import moderngl
 import numpy as np
 import numpy.typing as npt
 
-from oitbench.declare import Buffer, Items, Target
 from oitbench.errors import CapabilityError
-from oitbench.formats import GLSL_BYTES
 from oitbench.gl.device import Device
-from oitbench.gl.prelude import ALLOCATOR_STRIDE, TILE, Bindings
+from oitbench.gl.program.prelude import ALLOCATOR_STRIDE, TILE, Bindings
+from oitbench.method.declaration import Buffer, Items, Target
+from oitbench.method.formats import GLSL_BYTES
 
 Counts = npt.NDArray[np.int64]
 

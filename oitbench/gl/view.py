@@ -1,4 +1,4 @@
-"""The uniform block `View` (glsl/view.glsl): the camera's, and that of a light's map."""
+"""The uniform block `View` (shaders/view.glsl): the camera's, and that of a light's map."""
 
 from __future__ import annotations
 
@@ -8,9 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from oitbench.gl.prelude import TILE
-from oitbench.lights import DirectionalLight, SpotLight
-from oitbench.scene import Camera, Object
+from oitbench.gl.program.prelude import TILE
+from oitbench.scene import Camera, DirectionalLight, Object, SpotLight
 
 Floats = npt.NDArray[np.float64]
 _MARGIN = 0.02

@@ -11,11 +11,11 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Any
 from urllib.parse import quote
 
-from oitbench import results as read
 from oitbench.errors import UsageError
 from oitbench.report.artifacts import Artifact, Figure, ImageGrid, Note, Table
-from oitbench.results import Results
-from oitbench.store import Record
+from oitbench.results import records as read
+from oitbench.results.records import Results
+from oitbench.results.store import Record
 
 if TYPE_CHECKING:
     from jinja2 import Environment

@@ -11,13 +11,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from oitbench import images, metrics
-from oitbench import results as read
-from oitbench.images import Image
+from oitbench.image import files as images
+from oitbench.image import metrics
+from oitbench.image.files import Image
 from oitbench.report import figures
 from oitbench.report.artifacts import Figure, ImageGrid, Tile, fixed
-from oitbench.results import PATH_TRACED, Panel, Results
-from oitbench.store import Record
+from oitbench.results import records as read
+from oitbench.results.records import PATH_TRACED, Panel, Results
+from oitbench.results.store import Record
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure as Canvas

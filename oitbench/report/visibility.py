@@ -12,15 +12,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
-from oitbench import palette
 from oitbench.errors import UsageError
+from oitbench.report import palette
 from oitbench.report.artifacts import Figure
 from oitbench.report.figures import QUIET, canvas, save
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from oitbench.visibility import Curves
+    from oitbench.measure.visibility import Curves
 
 NAME = "visibility"
 _COLUMNS = 4

@@ -13,9 +13,9 @@ from math import prod
 
 import numpy as np
 
-from oitbench.declare import Draws, Loop, Method
-from oitbench.geometry import box
-from oitbench.oracle import composite, transmittances
+from oitbench.measure.oracle import composite, transmittances
+from oitbench.method.declaration import Draws, Loop, Method
+from oitbench.modeling.mesh import box
 from oitbench.scene import BLACK, RGB, WHITE, Camera, FragmentLists, Material, Object, Scene
 from oitbench.stability.check import Bound, Check, Comparison, Photo, Picture
 from oitbench.stability.grace import graceful

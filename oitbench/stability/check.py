@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from oitbench.declare import Method
 from oitbench.effects import Effect, names
-from oitbench.images import Image
+from oitbench.image.files import Image
+from oitbench.method.declaration import Method
 from oitbench.scene import Scene
 
 Values = npt.NDArray[Any]

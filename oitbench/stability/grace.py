@@ -7,9 +7,18 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 
-from oitbench.geometry import quad, sphere
-from oitbench.lights import EnvironmentLight, Light, SpotLight
-from oitbench.scene import WHITE, Camera, Material, Mesh, Object, Scene
+from oitbench.modeling.mesh import quad, sphere
+from oitbench.scene import (
+    WHITE,
+    Camera,
+    EnvironmentLight,
+    Light,
+    Material,
+    Mesh,
+    Object,
+    Scene,
+    SpotLight,
+)
 from oitbench.stability.check import Bound, Check, Compare, Comparison, Photo, Picture
 from oitbench.stability.layers import BACKGROUND, GREEN, RED
 

@@ -10,11 +10,12 @@ from typing import Any
 
 import numpy as np
 
-from oitbench.declare import Method
 from oitbench.effects import Effect
-from oitbench.geometry import grid, quad
-from oitbench.images import box_downsample
-from oitbench.oracle import composite, transmittances
+from oitbench.image.files import box_downsample
+from oitbench.measure.oracle import composite, transmittances
+from oitbench.measure.visibility import curve_of, instrument
+from oitbench.method.declaration import Method
+from oitbench.modeling.mesh import grid, quad
 from oitbench.scene import BLACK, RGB, WHITE, Camera, FragmentLists, Material, Object, Scene
 from oitbench.stability.check import Bound, Check, Compare, Comparison, Photo, Picture
 from oitbench.stability.layers import (
@@ -28,7 +29,6 @@ from oitbench.stability.layers import (
     scene_of,
     stack,
 )
-from oitbench.visibility import curve_of, instrument
 
 PERMUTATIONS = 16
 _MARGIN = 1.2

@@ -9,15 +9,16 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from oitbench import metrics, selector
-from oitbench.collection import Collection
-from oitbench.declare import Method
+from oitbench import parameters as selector
 from oitbench.errors import CapabilityError, OitbenchError
 from oitbench.gl.device import Device
 from oitbench.gl.frame import Frame
 from oitbench.gl.geometry import Geometry
-from oitbench.images import Image
-from oitbench.selector import Parameter
+from oitbench.image import metrics
+from oitbench.image.files import Image
+from oitbench.method.declaration import Method
+from oitbench.parameters import Parameter
+from oitbench.plugins import Collection
 from oitbench.stability.cases import cases
 from oitbench.stability.check import Bound, Check, Comparison, Photo, Picture, Values
 from oitbench.stability.finding import BREAKS, DOES_NOT_APPLY, HOLDS, Finding

@@ -6,8 +6,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from oitbench.declare import Draws, Loop, Method, Pass, Target
-from oitbench.gl.steps import passes_of
+from oitbench.gl.draws.steps import passes_of
+from oitbench.method.declaration import Draws, Loop, Method, Pass, Target
 
 _SINGLE = 2.0**-23
 _OPERATIONS = 8

@@ -11,8 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from oitbench.lights import PENUMBRA, DirectionalLight, Medium, SpotLight
-from oitbench.scene import Camera, FragmentLists
+from oitbench.scene import PENUMBRA, Camera, DirectionalLight, FragmentLists, Medium, SpotLight
 
 Array64 = npt.NDArray[np.float64]
 Words = npt.NDArray[np.uint64]

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 
-from oitbench.oracle import composite
+from oitbench.measure.oracle import composite
 from oitbench.scene import FragmentLists
 
 Array64 = npt.NDArray[np.float64]

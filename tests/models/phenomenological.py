@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from oitbench.oracle import transmittances
+from oitbench.measure.oracle import transmittances
 from oitbench.scene import FragmentLists
 from tests.models.commutative import layers_of
 

@@ -1,0 +1,1 @@
+"""From a declaration and shaders to compiled passes."""

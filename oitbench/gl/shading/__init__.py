@@ -1,0 +1,1 @@
+"""Light on surfaces and in media, the same for every method."""

@@ -1,0 +1,1 @@
+"""Images: files, display encoding, and metrics."""

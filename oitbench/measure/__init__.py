@@ -1,0 +1,1 @@
+"""What is measured of a frame: bytes, time, visibility; and the exact answer."""

@@ -1,0 +1,243 @@
+"""Visibility curves: how much of the light at each depth of a pixel a method lets through.
+
+The instrument knows no method. One pixel's fragments are laid out in a row of pixels: all hold the
+same fragments, but in the i-th only the i-th shines, with radiance 1/α, before black. What a method
+shows there is the weight that it gives that fragment. For the over operator this is the visibility
+Π(1 − o) of all nearer fragments, and it is the method's own curve for every method whose image is
+linear in the radiance. Two things of the scene are not seen by the instrument: methods that sort by
+objects sort single fragments here, and random methods draw the numbers of other pixels.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+
+from oitbench.errors import CapabilityError, UsageError
+from oitbench.gl.device import Device
+from oitbench.gl.frame import Frame, check_size
+from oitbench.gl.geometry import Geometry
+from oitbench.gl.probe import probe
+from oitbench.measure.oracle import composite, transmittances
+from oitbench.method.declaration import Method
+from oitbench.plugins import Collection
+from oitbench.scene import Camera, FragmentLists, Scene
+
+Array64 = npt.NDArray[np.float64]
+_RANDOM_ROWS = 256
+
+
+@dataclass(frozen=True, eq=False)
+class Curves:
+    """Visibility at one pixel, fragments from near to far, and what lies behind them all.
+
+    Parameters
+    ----------
+    scene : str
+    pixel : (int, int)
+        Column from the left, row from the top.
+    size : (int, int)
+        Width and height of the frame in pixels.
+    fragments : FragmentLists
+        Of the pixel, (n, 1, 1).
+    exact : array, shape (n + 1, 3), float64
+        NaN where a fragment's coverage is zero. The last entry is the total transmittance.
+    methods : dict of str to array, shape (n + 1, 3), float64
+        By label.
+    noise : dict of str to array, shape (n + 1, 3), float64
+        Standard error of each value; zero for methods that are not random.
+    names : dict of str to str
+        From a label to the method's bare name.
+    reasons : dict of str to str
+        Why a method has no curve.
+    """
+
+    scene: str
+    pixel: tuple[int, int]
+    size: tuple[int, int]
+    fragments: FragmentLists
+    exact: Array64
+    methods: dict[str, Array64]
+    noise: dict[str, Array64]
+    names: dict[str, str]
+    reasons: dict[str, str]
+
+
+def instrument(fragments: FragmentLists, rows: int = 1) -> FragmentLists:
+    """Return lists in which pixel i holds all `fragments` of one pixel, but only the i-th shines.
+
+    Parameters
+    ----------
+    fragments : FragmentLists
+        One pixel, (n, 1, 1).
+    rows : int
+        Rows that repeat the measurement.
+
+    Returns
+    -------
+    FragmentLists
+        (n, rows, n); a fragment with α = 0 does not shine.
+    """
+    count = len(fragments.z)
+    shape = (count, rows, count)
+    coverage = fragments.coverage[:, 0, 0].astype(np.float64)
+    shining = np.divide(1.0, coverage, out=np.zeros(count), where=coverage > 0)
+    radiance = np.broadcast_to(np.diag(shining)[:, None, :, None], (*shape, 3))
+    return FragmentLists(
+        np.broadcast_to(fragments.z, shape).copy(),
+        np.broadcast_to(fragments.coverage, shape).copy(),
+        radiance.astype(np.float32),
+        np.broadcast_to(fragments.transmission, (*shape, 3)).copy(),
+    )
+
+
+def curve_of(image: npt.NDArray[np.float32], count: int) -> tuple[Array64, Array64]:
+    """Return the mean and its standard error, each (count, 3), of a picture of the instrument.
+
+    The picture may be larger than the instrument by a whole factor.
+    """
+    height, width = image.shape[:2]
+    samples = image.astype(np.float64).reshape(height, count, width // count, 3)
+    values = samples.transpose(1, 0, 2, 3).reshape(count, -1, 3)
+    return values.mean(axis=1), values.std(axis=1) / np.sqrt(values.shape[1])
+
+
+def exact_curve(fragments: FragmentLists) -> Array64:
+    """Return the visibility of each fragment of one pixel and of what lies behind, (n + 1, 3)."""
+    total = transmittances(fragments).prod(axis=0)[0]
+    return np.concatenate([_with_gaps(composite(instrument(fragments), 0.0)[0], fragments), total])
+
+
+def method_curve(
+    device: Device, method: Method, fragments: FragmentLists, camera: Camera
+) -> tuple[Array64, Array64]:
+    """Return a method's visibility of each fragment and of what lies behind, and its error.
+
+    Parameters
+    ----------
+    device : Device
+    method : Method
+    fragments : FragmentLists
+        One pixel, (n, 1, 1).
+    camera : Camera
+        Whose clip distances give window depths.
+
+    Returns
+    -------
+    (array, array), each of shape (n + 1, 3)
+        Values, and standard errors.
+
+    Raises
+    ------
+    CapabilityError
+        If the method cannot render so many fragments here.
+    """
+    rows = _RANDOM_ROWS if method.noisy else 1
+    straight = replace(camera, position=(0, 0, 0), target=(0, 0, -1), up=(0, 1, 0))
+    scene = Scene("visibility", straight, lists=instrument(fragments, rows))
+    geometry = Geometry(device, scene)
+    try:
+        effects = scene.effects & method.shows
+        frame = Frame(device, geometry, method, (len(fragments.z), rows), effects)
+        try:
+            frame.render()
+            values, noise = curve_of(frame.image(), len(fragments.z))
+            frame.render(transmittance=True)
+            total, total_noise = curve_of(frame.image(), 1)
+        finally:
+            frame.release()
+    finally:
+        geometry.release()
+    curve = np.concatenate([_with_gaps(values, fragments), total])
+    return curve, np.concatenate([noise, total_noise])
+
+
+def measure(
+    scene: str,
+    pixel: tuple[int, int],
+    methods: Sequence[str] = (),
+    size: tuple[int, int] = (512, 512),
+    collections: Sequence[Path] = (),
+) -> Curves:
+    """Measure the visibility curves of methods at one pixel of a scene.
+
+    Parameters
+    ----------
+    scene : str
+        `NAME[param=v]`.
+    pixel : (int, int)
+        Column from the left, row from the top.
+    methods : sequence of str
+        `NAME[param=v,w]`; all methods by their defaults without.
+    size : (int, int)
+        Width and height of the frame in pixels.
+    collections : sequence of path
+        Extra collection folders.
+
+    Raises
+    ------
+    UsageError
+        The pixel lies outside the frame, or nothing transparent is there.
+    """
+    if not (0 <= pixel[0] < size[0] and 0 <= pixel[1] < size[1]):
+        raise UsageError(f"pixel {pixel[0]},{pixel[1]} lies outside a frame of {size[0]}x{size[1]}")
+    collection = Collection.load(collections)
+    chosen = collection.expand_methods(methods or list(collection.methods))
+    described = collection.build_scene(scene)
+    device = Device()
+    try:
+        check_size(device, size)
+        geometry = Geometry(device, described)
+        found = probe(device, geometry, size, pixel)
+        geometry.release()
+        if not len(found.z):
+            raise UsageError(
+                f"{scene}: nothing transparent is at pixel {pixel[0]},{pixel[1]}"
+                f" of {size[0]}x{size[1]}; choose another"
+            )
+        return _measure_all(device, described, found, chosen, scene, pixel, size)
+    finally:
+        device.release()
+
+
+def _measure_all(
+    device: Device,
+    described: Scene,
+    found: FragmentLists,
+    chosen: Sequence[Method],
+    label: str,
+    pixel: tuple[int, int],
+    size: tuple[int, int],
+) -> Curves:
+    order = np.argsort(found.z[:, 0, 0], kind="stable")
+    places = np.append(order, len(order))
+    curves: dict[str, Array64] = {}
+    noise: dict[str, Array64] = {}
+    reasons: dict[str, str] = {}
+    for method in chosen:
+        try:
+            values, error = method_curve(device, method, found, described.camera)
+        except CapabilityError as problem:
+            reasons[method.label] = str(problem)
+            continue
+        curves[method.label], noise[method.label] = values[places], error[places]
+    parts = (found.z, found.coverage, found.radiance, found.transmission)
+    return Curves(
+        label,
+        pixel,
+        size,
+        FragmentLists(*(part[order] for part in parts)),
+        exact_curve(found)[places],
+        curves,
+        noise,
+        {method.label: method.name for method in chosen},
+        reasons,
+    )
+
+
+def _with_gaps(values: Array64, fragments: FragmentLists) -> Array64:
+    return np.where(fragments.coverage[:, 0, 0, None] > 0, values, np.nan)

@@ -1,0 +1,1 @@
+"""What a method is: a declaration of targets, buffers and passes."""

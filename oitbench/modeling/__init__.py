@@ -1,0 +1,1 @@
+"""Helpers for writing scenes: meshes, solids, baked light, patterns and props."""

@@ -1,0 +1,1 @@
+"""Ready-made objects that several scenes share."""

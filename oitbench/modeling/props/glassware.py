@@ -1,0 +1,145 @@
+"""Drinking glasses, what is poured into them, and ice: each one closed solid.
+
+Metres; everything stands on y = 0 round the y axis.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from oitbench.modeling.mesh import box, divisions
+from oitbench.modeling.solids import Corner, outline, turned
+from oitbench.scene import RGB, Mesh
+
+SLICES = 56
+"""Divisions of a glass round its axis at detail 1."""
+
+
+@dataclass(frozen=True)
+class Vessel:
+    """A drinking glass by the outlines of its two sides.
+
+    Parameters
+    ----------
+    outside : tuple of Corner
+        From the middle of the foot up to the rim.
+    inside : tuple of Corner
+        From the rim down to the middle of the bottom within; it ends on the axis.
+    """
+
+    outside: tuple[Corner, ...]
+    inside: tuple[Corner, ...]
+
+    def glass(self, detail: float) -> Mesh:
+        """Return the wall, both sides of it, as one closed solid."""
+        profile = outline(self.outside + self.inside, detail)
+        return turned(profile, divisions(SLICES, detail, 8))
+
+    def filling(self, level: float, gap: float, detail: float) -> Mesh:
+        """Return a drink up to `level` that keeps `gap` from the glass, as a closed solid.
+
+        Parameters
+        ----------
+        level : float
+            Height of its surface in metres, within the straight part of the wall.
+        gap : float
+            Metres of air, so that no two surfaces coincide.
+        detail : float
+            Factor on the number of triangles.
+        """
+        wall = outline(self.inside[::-1], detail)
+        tangent = np.gradient(wall, axis=0)
+        inward = np.stack([-tangent[:, 1], tangent[:, 0]], axis=1)
+        wall = wall + gap * inward / np.linalg.norm(inward, axis=1, keepdims=True)
+        wall[0, 0] = 0.0
+        radius = float(np.interp(level, wall[:, 1], wall[:, 0]))
+        edge = 2 * gap
+        below: list[Corner] = [(r, h, 0.0) for r, h in wall if h < level - 2 * edge]
+        return turned(
+            outline([*below, (radius, level, edge), (0.0, level, 0.0)], detail),
+            divisions(SLICES, detail, 8),
+        )
+
+
+def tumbler(foot: float, rim: float, height: float, wall: float, bottom: float) -> Vessel:
+    """Return a straight-sided glass.
+
+    Parameters
+    ----------
+    foot, rim : float
+        Outer radii at its two ends, metres.
+    height : float
+    wall, bottom : float
+        Thickness of the side and of the bottom, metres.
+    """
+    within = foot + (rim - foot) * bottom / height - wall
+    return Vessel(
+        outside=((0.0, 0.0, 0.0), (foot, 0.0, 1.2 * wall), (rim, height, 0.45 * wall)),
+        inside=(
+            (rim - wall, height, 0.45 * wall),
+            (within, bottom, 2.5 * wall),
+            (0.0, bottom, 0.0),
+        ),
+    )
+
+
+def wine_glass(bowl: float, height: float, wall: float) -> Vessel:
+    """Return a stemmed glass with a bowl of outer radius `bowl`, metres.
+
+    Parameters
+    ----------
+    bowl : float
+        Widest outer radius; the foot is as wide.
+    height : float
+        From the foot to the rim.
+    wall : float
+        Thickness of the bowl.
+    """
+    deep, stem, rim = 0.44 * height, 0.10 * bowl, 0.80 * bowl
+    within = bowl - wall
+    return Vessel(
+        outside=(
+            (0.0, 0.0, 0.0),
+            (0.95 * bowl, 0.0, 0.005 * height),
+            (0.95 * bowl, 0.015 * height, 0.005 * height),
+            (stem, 0.05 * height, 0.5 * bowl),
+            (stem, deep, 0.20 * bowl),
+            (bowl, deep + 0.08 * height, 0.65 * bowl),
+            (rim, height, 0.45 * wall),
+        ),
+        inside=(
+            (rim - wall, height, 0.45 * wall),
+            (within, deep + 0.08 * height + wall, 0.65 * bowl),
+            (0.0, deep + 2 * wall, 0.0),
+        ),
+    )
+
+
+def ice_cube(size: RGB, rounding: float, detail: float) -> Mesh:
+    """Return a box round the origin whose edges and corners are rounded.
+
+    Parameters
+    ----------
+    size : RGB
+        Edge lengths along x, y and z, metres.
+    rounding : float
+        Radius of the edges, below half the shortest edge, metres.
+    detail : float
+        Factor on the number of triangles.
+    """
+    cells = divisions(6, detail, 2) * 2
+    # Whole numbers, so that faces agree on their common edges exactly.
+    step = box((0, 0, 0), (cells, cells, cells), cells).positions.astype(np.float64)
+    triangles = box((0, 0, 0), (1, 1, 1), cells).triangles
+    half = np.asarray(size) / 2
+    core = half - rounding
+    # Half of the steps are spent on the rounded rims, each of which turns by 45°.
+    along = 2 * np.abs(step) / cells
+    flat = np.minimum(2 * along, 1.0) * core
+    rim = np.maximum(2 * along - 1, 0.0)
+    bulge = np.sign(step) * np.tan(rim * np.pi / 4)
+    normals = bulge / np.linalg.norm(bulge, axis=1, keepdims=True)
+    positions = np.sign(step) * flat + rounding * normals
+    return Mesh(positions.astype(np.float32), triangles, normals=normals.astype(np.float32))

@@ -1,0 +1,1 @@
+"""A scene as Mitsuba sees it."""

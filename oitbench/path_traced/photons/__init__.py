@@ -1,0 +1,1 @@
+"""Caustics by photon mapping."""

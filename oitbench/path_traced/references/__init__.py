@@ -1,0 +1,1 @@
+"""Path-traced references: stored, cached and checked."""

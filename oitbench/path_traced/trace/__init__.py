@@ -1,0 +1,1 @@
+"""Following rays through a scene."""

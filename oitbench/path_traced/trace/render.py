@@ -1,0 +1,203 @@
+"""Path tracing with a box filter, no denoiser, and rays through fixed sub-pixel positions."""
+
+from __future__ import annotations
+
+import importlib
+from collections.abc import Callable
+from dataclasses import dataclass
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+
+from oitbench.effects import Effect
+from oitbench.errors import CapabilityError, SceneError, UsageError
+from oitbench.image.files import Image, box_downsample
+from oitbench.path_traced import llvm
+from oitbench.path_traced.export.scene import export, export_with_textures, layout
+from oitbench.path_traced.export.view import View
+from oitbench.path_traced.photons.map import CausticMap
+from oitbench.path_traced.trace.integrators import Integrator, make_straight, make_volpath, trace
+from oitbench.path_traced.trace.surfaces import Surfaces
+from oitbench.path_traced.trace.walk import Walk, is_random, is_straight
+from oitbench.scene import Scene
+
+Progress = Callable[[int, int], None]
+"""Called with the number of finished and of all samples."""
+
+_CHUNK = 1 << 18
+"""Rays traced at once: some hundred bytes each, so that memory stays far below 1 GB."""
+
+
+_MAPS = 16
+"""Caustic maps that a picture is averaged over, if it has as many samples."""
+_PHOTONS = 4
+"""Of each map, for each sub-pixel; so a map's cells are about as large as a pixel."""
+_FEWEST_PHOTONS = 1 << 14
+
+
+@dataclass(frozen=True, eq=False)
+class Estimate:
+    """A path-traced image.
+
+    Parameters
+    ----------
+    mean : array, shape (h, w, 3), float32
+        Linear Rec.709 radiance, top row first.
+    variance : array, shape (h, w, 3), float32
+        Variance of that mean.
+    halves : pair of array, shape (h, w, 3), float32
+        Means of the even and the odd samples; how they differ is the noise floor.
+    spp : int
+        Samples that were taken for each sub-pixel.
+    """
+
+    mean: Image
+    variance: Image
+    halves: tuple[Image, Image]
+    spp: int
+
+
+def render(
+    scene: Scene,
+    size: tuple[int, int],
+    ssaa: int = 2,
+    spp: int = 2,
+    seed: int = 1,
+    progress: Progress | None = None,
+    variant: str | None = None,
+    volpath: bool = False,
+) -> Estimate:
+    """Path-trace `scene`.
+
+    Parameters
+    ----------
+    scene : Scene
+    size : (int, int)
+        Width and height in pixels.
+    ssaa : int
+        Rays go through the centers of ssaa × ssaa sub-pixels of each pixel, where GL samples too.
+    spp : int
+        Samples for each sub-pixel, at least two. A single one is taken where no random number is
+        drawn, so all would be equal.
+    seed : int
+    progress : callable, optional
+    variant : str, optional
+        Mitsuba's variant; the fastest that works without.
+    volpath : bool
+        Use Mitsuba's own integrator, to check the straight one against.
+
+    Returns
+    -------
+    Estimate
+
+    Raises
+    ------
+    UsageError
+        For a size, `ssaa` or `spp` that is too small.
+    CapabilityError
+        If the scene has what this version cannot trace, or Mitsuba is not installed.
+    SceneError
+        If the radiance of a ray is not finite.
+    """
+    _check(size, ssaa, spp)
+    mitsuba = llvm.load(variant)
+    view = View(scene.camera, size[0] * ssaa, size[1] * ssaa)
+    exported, make = _prepare(scene, view, mitsuba, seed, volpath)
+    samples = spp if volpath or is_random(scene) else 1
+    shared = -(-samples // _MAPS) if Effect.CAUSTICS in scene.effects else 1
+    statistics = _Statistics()
+    for first in range(0, samples, shared):
+        integrator = make(first)
+        total: Any = 0.0
+        last = min(first + shared, samples)
+        for sample in range(first, last):
+            image = _sample(mitsuba, integrator, exported, view, (seed, sample))
+            broken = int((~np.isfinite(image)).any(axis=-1).sum())
+            if broken:
+                raise SceneError(f"scene {scene.name}: {broken} path-traced rays are not finite")
+            total = total + box_downsample(image, ssaa)
+            if progress is not None:
+                progress(sample + 1, samples)
+        statistics.add(total / (last - first))
+    return statistics.estimate(samples)
+
+
+def _sample(
+    mitsuba: ModuleType, integrator: Integrator, exported: Any, view: View, key: tuple[int, int]
+) -> Image:
+    """Return one sample of each sub-pixel, shape (h, w, 3)."""
+    count = view.width * view.height
+    image = np.empty((count, 3), dtype=np.float32)
+    for number, first in enumerate(range(0, count, _CHUNK)):
+        last = min(first + _CHUNK, count)
+        state = int(np.random.SeedSequence((*key, number)).generate_state(1)[0])
+        rays = view.rays(first, last)
+        image[first:last] = trace(mitsuba, integrator, exported, rays, state)
+    return image.reshape(view.height, view.width, 3)
+
+
+def _prepare(
+    scene: Scene, view: View, mitsuba: ModuleType, seed: int, volpath: bool
+) -> tuple[Any, Callable[[int], Integrator]]:
+    """Return the Mitsuba scene, and what makes an integrator for the samples from a given one."""
+    if volpath or is_straight(scene):
+        integrator = make_volpath(mitsuba) if volpath else make_straight(mitsuba)
+        return export(scene, view, mitsuba), lambda sample: integrator
+    if mitsuba.variant().startswith("scalar"):
+        raise CapabilityError(
+            f"scene {scene.name}: light that is scattered is path traced with LLVM only; "
+            f"{llvm.MEND}"
+        )
+    drjit = importlib.import_module("drjit")
+    exported, textures = export_with_textures(scene, view, mitsuba)
+    surfaces = Surfaces.build(mitsuba, drjit, view, exported, layout(scene), textures)
+    photons = max(_FEWEST_PHOTONS, _PHOTONS * view.width * view.height)
+
+    def make(sample: int) -> Integrator:
+        caustics = None
+        if Effect.CAUSTICS in scene.effects:
+            state = int(np.random.SeedSequence((seed, sample)).generate_state(1)[0])
+            caustics = CausticMap.build(mitsuba, drjit, exported, scene, photons, state)
+        return Walk(mitsuba, scene, surfaces, caustics)
+
+    return exported, make
+
+
+def _check(size: tuple[int, int], ssaa: int, spp: int) -> None:
+    if min(size) < 1:
+        raise UsageError(f"size {size[0]}x{size[1]} is empty; both sides must be at least 1")
+    if ssaa < 1:
+        raise UsageError(f"ssaa is {ssaa}; it must be at least 1")
+    if spp < 2:
+        raise UsageError(f"spp is {spp}; the noise floor needs at least 2 samples")
+
+
+class _Statistics:
+    """Running mean and variance over samples, and the means of both halves (Welford 1962)."""
+
+    def __init__(self) -> None:
+        self._count = 0
+        self._mean: Any = 0.0
+        self._squares: Any = 0.0
+        self._sums: list[Any] = [0.0, 0.0]
+
+    def add(self, sample: Image) -> None:
+        value = sample.astype(np.float64)
+        self._sums[self._count % 2] = self._sums[self._count % 2] + value
+        self._count += 1
+        offset = value - self._mean
+        self._mean = self._mean + offset / self._count
+        self._squares = self._squares + offset * (value - self._mean)
+
+    def estimate(self, spp: int) -> Estimate:
+        count = self._count
+        mean = self._mean.astype(np.float32)
+        if count == 1:
+            return Estimate(mean, np.zeros_like(mean), (mean, mean), spp)
+        first, second = (
+            (total / number).astype(np.float32)
+            for total, number in zip(self._sums, ((count + 1) // 2, count // 2), strict=True)
+        )
+        variance = self._squares / (count - 1) / count
+        return Estimate(mean, variance.astype(np.float32), (first, second), spp)

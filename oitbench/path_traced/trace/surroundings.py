@@ -1,0 +1,164 @@
+"""The lights of a scene for drjit arrays: beams, and radiance from all around."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from oitbench.scene import PENUMBRA, Array, DirectionalLight, Scene, SpotLight, Texture
+
+LEAST_SIDE = 4
+"""Texels of a map that directions are chosen from."""
+LEAST_FALLOFF = 0.01
+"""Of the logarithm of a density over a line; below that its normalization would be rounded."""
+
+
+@dataclass(frozen=True, eq=False)
+class Beam:
+    """A light that throws shadows."""
+
+    mitsuba: Any
+    drjit: Any
+    light: DirectionalLight | SpotLight
+
+    def toward(self, p: Any) -> tuple[Any, Any, Any]:
+        """Return the unit vector from `p` to the light, its distance in metres, and E at `p`."""
+        mitsuba, drjit, light = self.mitsuba, self.drjit, self.light
+        if isinstance(light, DirectionalLight):
+            back = -np.asarray(light.direction, dtype=np.float64)
+            toward = drjit.opaque(mitsuba.Vector3f, (back / np.linalg.norm(back)).tolist())
+            return toward, mitsuba.Float(drjit.inf), self._color(light.irradiance)
+        axis = np.subtract(light.target, light.position).astype(np.float64)
+        axis /= np.linalg.norm(axis)
+        offset = drjit.opaque(mitsuba.Point3f, list(map(float, light.position))) - p
+        squared = drjit.maximum(drjit.squared_norm(offset), 1e-8)
+        toward = offset * drjit.rsqrt(squared)
+        cosine = -drjit.dot(toward, drjit.opaque(mitsuba.Vector3f, axis.tolist()))
+        half = drjit.opaque(mitsuba.Float, light.angle / 2)
+        falloff = drjit.clip((half - drjit.safe_acos(cosine)) / (PENUMBRA * half), 0, 1)
+        return toward, drjit.sqrt(squared), self._color(light.intensity) * (falloff / squared)
+
+    def place(self, o: Any, d: Any, near: Any, far: Any, falloff: Any, one: Any) -> tuple[Any, Any]:
+        """Return a distance along a line to look for this light from, and its density, m⁻¹.
+
+        For a spot light, equal angles are equally probable (Kulla & Fajardo 2012, "Importance
+        sampling techniques for path tracing in participating media"); for a directional one the
+        density falls off exponentially.
+        """
+        mitsuba, drjit, light = self.mitsuba, self.drjit, self.light
+        if isinstance(light, DirectionalLight):
+            rate = drjit.maximum(falloff, LEAST_FALLOFF / drjit.maximum(far - near, 1e-6))
+            whole = 1 - drjit.exp(-rate * (far - near))
+            past = -drjit.log(1 - one * whole) / rate
+            return near + past, rate * drjit.exp(-rate * past) / whole
+        offset = drjit.opaque(mitsuba.Point3f, list(map(float, light.position))) - o
+        middle = drjit.dot(offset, d)
+        height = drjit.maximum(drjit.norm(offset - d * middle), 1e-4)
+        low, high = drjit.atan((near - middle) / height), drjit.atan((far - middle) / height)
+        past = height * drjit.tan(low + one * (high - low))
+        return middle + past, height / ((high - low) * (height * height + past * past))
+
+    def _color(self, values: Any) -> Any:
+        return self.mitsuba.Color3f(
+            self.drjit.opaque(self.mitsuba.Vector3f, [float(v) for v in values])
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class Surroundings:
+    """Radiance where no surface is, which lights the scene if it is an environment light's.
+
+    Parameters
+    ----------
+    mitsuba, drjit : module
+    lights : bool
+        False for a mere background.
+    mean : tuple of float
+        Mean radiance over all directions.
+    constant : Color3f or None
+        If it is the same all around.
+    texture : Texture2f or None
+    emitter : mitsuba.Emitter or None
+        Chooses directions by their radiance.
+    """
+
+    mitsuba: Any
+    drjit: Any
+    lights: bool
+    mean: tuple[float, ...]
+    constant: Any
+    texture: Any = None
+    emitter: Any = None
+
+    @classmethod
+    def build(cls, mitsuba: Any, drjit: Any, scene: Scene) -> Surroundings:
+        """Upload the environment light of `scene`, or its background."""
+        light = scene.environment
+        radiance = scene.background if light is None else light.radiance
+        if not isinstance(radiance, Texture):
+            value = [float(part) for part in radiance]
+            color = mitsuba.Color3f(drjit.opaque(mitsuba.Vector3f, value))
+            return cls(mitsuba, drjit, light is not None and any(value), tuple(value), color)
+        texels = _texels(radiance).astype(np.float32)
+        # Repeated in longitude: one column of the other edge on either side.
+        wide = np.concatenate([texels[:, -1:], texels, texels[:, :1]], axis=1)
+        texture = mitsuba.Texture2f(
+            mitsuba.TensorXf(wide),
+            filter_mode=drjit.FilterMode.Linear,
+            wrap_mode=drjit.WrapMode.Clamp,
+            use_accel=False,
+        )
+        rows = len(texels)
+        weight = np.sin((np.arange(rows) + 0.5) / rows * math.pi)
+        mean = (texels.mean(axis=1) * weight[:, None]).sum(axis=0) / weight.sum()
+        emitter = _chooser(mitsuba, texels) if texels.any() else None
+        lights = emitter is not None
+        return cls(mitsuba, drjit, lights, tuple(mean.tolist()), None, texture, emitter)
+
+    def radiance(self, d: Any) -> Any:
+        """Return the radiance from the unit direction `d`, Color3f; bilinear in the map."""
+        if self.constant is not None:
+            return self.constant
+        drjit, mitsuba = self.drjit, self.mitsuba
+        rows, columns = self.texture.shape[0], self.texture.shape[1] - 2
+        across = 0.5 + drjit.atan2(d.x, -d.z) / (2 * math.pi)
+        u = (across * columns + 1) / (columns + 2)
+        v = drjit.safe_acos(d.y) / math.pi
+        v = drjit.clip(v, 0.5 / rows, 1 - 0.5 / rows)
+        return mitsuba.Color3f(*self.texture.eval(mitsuba.Point2f(u, v))[:3])
+
+    def choose(self, it: Any, own: Any, density: Any, one: Any, two: Any) -> tuple[Any, Any]:
+        """Return a direction to look for light in, and its probability density, sr⁻¹.
+
+        Half of the directions are chosen by radiance, if that varies; the other half are `own`,
+        which the caller chose with the probability density that the function `density` tells.
+        """
+        if self.emitter is None:
+            return own, density(own)
+        drjit = self.drjit
+        sample, _ = self.emitter.sample_direction(it, two)
+        d = drjit.select(one < 0.5, own, sample.d)
+        sample.d = d
+        return d, 0.5 * (density(d) + self.emitter.pdf_direction(it, sample))
+
+
+def _texels(radiance: Texture) -> Array:
+    """Return the texels of a map, shape (h, w, 3)."""
+    texels = radiance.texels
+    return np.repeat(texels[..., None], 3, axis=2) if texels.ndim == 2 else texels
+
+
+def _chooser(mitsuba: Any, texels: Array) -> Any:
+    """Return a Mitsuba emitter that chooses directions by the radiance of a map.
+
+    Its maps begin at −z, where ours have their middle, and lie half a texel off: it tells what is
+    probable, not what is seen.
+    """
+    factors = [-(-LEAST_SIDE // side) for side in texels.shape[:2]]
+    larger = texels.repeat(factors[0], axis=0).repeat(factors[1], axis=1)
+    turned = np.roll(larger, larger.shape[1] // 2, axis=1)
+    bitmap = mitsuba.Bitmap(np.ascontiguousarray(turned, dtype=np.float32))
+    return mitsuba.load_dict({"type": "envmap", "bitmap": bitmap})

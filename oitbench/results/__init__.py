@@ -1,0 +1,1 @@
+"""Results of a run: records, their folder, baselines and comparisons."""

@@ -1,0 +1,121 @@
+"""What both renderers share of textures: one premultiplied mip pyramid and one lookup rule.
+
+Emission and coverage are filtered together and premultiplied, (α·L, α): filtering them apart would
+let the color of what is not there bleed into what is.
+
+The rule: with `dx`, `dy` the derivatives of uv × size per sub-pixel, in texels,
+`lod = clamp(½·log2(max(dx·dx, dy·dy)), 0, levels − 1)`; bilinear in the levels ⌊lod⌋ and ⌊lod⌋ + 1
+with texel centers at + ½ and coordinates clamped to the edge; linear in between.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from oitbench.errors import SceneError
+from oitbench.scene.material import Array, Material, Texture
+
+
+def premultiplied_pyramid(material: Material) -> list[Array] | None:
+    """Combine a material's emission and coverage into one box-filtered mip pyramid.
+
+    Parameters
+    ----------
+    material : Material
+
+    Returns
+    -------
+    list of array, shape (h, w, 4), float32, or None
+        α·L and α, linear Rec.709, finest level first down to 1 × 1, the top row (v = 1) first.
+        None if the material has no texture.
+
+    Raises
+    ------
+    SceneError
+        If the two textures differ in size.
+    """
+    emission, coverage = material.emission, material.coverage
+    sizes = {item.texels.shape[:2] for item in (emission, coverage) if isinstance(item, Texture)}
+    if not sizes:
+        return None
+    if len(sizes) > 1:
+        told = " and ".join(f"{width}x{height}" for height, width in sorted(sizes))
+        raise SceneError(f"material: its textures are {told}; give emission and coverage one size")
+    (size,) = sizes
+    image = np.empty((*size, 4), dtype=np.float32)
+    image[..., 3] = coverage.texels if isinstance(coverage, Texture) else coverage
+    color = emission.texels if isinstance(emission, Texture) else np.asarray(emission, np.float32)
+    image[..., :3] = (color[..., None] if color.ndim == 2 else color) * image[..., 3:]
+    levels = [image]
+    while levels[-1].shape[:2] != (1, 1):
+        levels.append(_halve(levels[-1]))
+    return levels
+
+
+def _halve(image: Array) -> Array:
+    """Average blocks of 2 × 2 texels, or pairs where one side is already one texel."""
+    height, width, channels = image.shape
+    tall, wide = min(2, height), min(2, width)
+    blocks = image.reshape(height // tall, tall, width // wide, wide, channels)
+    halved: Array = blocks.mean(axis=(1, 3), dtype=np.float64).astype(np.float32)
+    return halved
+
+
+def level_of_detail(dx: npt.ArrayLike, dy: npt.ArrayLike, levels: int) -> npt.NDArray[np.float64]:
+    """Return the fractional mip level for a footprint.
+
+    Parameters
+    ----------
+    dx, dy : array, shape (..., 2)
+        Derivatives of uv × size per sub-pixel to the right and down, in texels.
+    levels : int
+        Levels of the pyramid.
+
+    Returns
+    -------
+    array, shape (...), float64
+        In [0, levels − 1].
+    """
+    squared = [(np.asarray(side, dtype=np.float64) ** 2).sum(axis=-1) for side in (dx, dy)]
+    widest = np.maximum(np.maximum(*squared), np.finfo(np.float64).tiny)
+    return np.asarray(np.clip(0.5 * np.log2(widest), 0, levels - 1))
+
+
+def lookup(pyramid: list[Array], uv: npt.ArrayLike, lod: npt.ArrayLike) -> npt.NDArray[np.float64]:
+    """Look a pyramid up by the rule above: the reference for both renderers.
+
+    Parameters
+    ----------
+    pyramid : list of array, shape (h, w, 4)
+    uv : array, shape (n, 2)
+        v = 1 is the top row.
+    lod : array, shape (n,)
+        From `level_of_detail`.
+
+    Returns
+    -------
+    array, shape (n, 4), float64
+        α·L and α.
+    """
+    coordinates = np.asarray(uv, dtype=np.float64)
+    detail = np.asarray(lod, dtype=np.float64)
+    lower = np.floor(detail).astype(int)
+    result = np.empty((len(coordinates), 4))
+    for index, (point, level) in enumerate(zip(coordinates, lower, strict=True)):
+        fraction = detail[index] - level
+        fine = _bilinear(pyramid[level], point)
+        coarse = _bilinear(pyramid[min(level + 1, len(pyramid) - 1)], point)
+        result[index] = (1 - fraction) * fine + fraction * coarse
+    return result
+
+
+def _bilinear(image: Array, uv: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+    height, width = image.shape[:2]
+    x = np.clip(uv[0] * width, 0.5, width - 0.5) - 0.5
+    y = np.clip((1 - uv[1]) * height, 0.5, height - 0.5) - 0.5
+    left, top = int(x), int(y)
+    right, bottom = min(left + 1, width - 1), min(top + 1, height - 1)
+    upper = image[top, left] * (left + 1 - x) + image[top, right] * (x - left)
+    lower = image[bottom, left] * (left + 1 - x) + image[bottom, right] * (x - left)
+    return np.asarray(upper * (top + 1 - y) + lower * (y - top))

@@ -1,0 +1,113 @@
+"""Prints and plots what one more layer costs: frame time against layer count, per method.
+
+    python tests/benchmarks/layers.py [METHOD ...]
+
+Layers of random depth cover a frame of 128×128; their number doubles from 8 to 512. The slope of
+the log-log fit says how a method scales: 1 is linear in the layers, 2 quadratic. Figures go to
+results/benchmarks/layers.{png,pdf,csv}.
+"""
+
+from __future__ import annotations
+
+import csv
+import sys
+from pathlib import Path
+
+import numpy as np
+
+from oitbench.errors import CapabilityError
+from oitbench.gl.device import Device
+from oitbench.gl.frame import Frame
+from oitbench.gl.geometry import Geometry
+from oitbench.measure import timing
+from oitbench.method.declaration import Method
+from oitbench.plugins import Collection
+from oitbench.report import figures, labels, palette
+
+SIDE = 128
+COUNTS = (8, 16, 32, 64, 128, 256, 512)
+ROUNDS = 5
+TOO_LONG = 800.0
+"""Milliseconds a frame after which a method is not asked for more layers."""
+OUT = Path("results/benchmarks")
+Times = dict[str, dict[int, float]]
+
+
+def measure(methods: list[Method], collection: Collection) -> Times:
+    """Return the median milliseconds of every method at every count that it can do."""
+    device = Device()
+    times: Times = {method.label: {} for method in methods}
+    for count in COUNTS:
+        scene = collection.build_scene(f"layer_stack[count={count},alpha=0.05,spacing=0.02]")
+        geometry = Geometry(device, scene)
+        frames: dict[str, Frame] = {}
+        for method in methods:
+            if any(value > TOO_LONG for value in times[method.label].values()):
+                continue
+            effects = scene.effects & method.shows
+            try:
+                frame = Frame(device, geometry, method, (SIDE, SIDE), effects)
+            except CapabilityError as error:
+                print(f"left out: {error}")
+                continue
+            frame.render()
+            frames[method.label] = frame
+        for label, item in timing.measure(frames, ROUNDS, budget=20).items():
+            times[label][count] = float(np.median(item.frame_ms))
+        for frame in frames.values():
+            frame.release()
+        geometry.release()
+    return times
+
+
+def slope(times: dict[int, float]) -> float:
+    """Return the exponent p of time ~ layers^p, fitted where rendering outweighs the frame."""
+    counts = [count for count in times if count >= 32]
+    x, y = np.log(np.array(counts, float)), np.log(np.array([times[count] for count in counts]))
+    return float(np.polyfit(x, y, 1)[0])
+
+
+def plot(times: Times, methods: list[Method], known: list[str]) -> None:
+    """Draw all curves into one figure."""
+    look = palette.styles({method.label: method.name for method in methods}, known)
+    with figures.canvas(9.4, 6.0) as figure:
+        axes = figure.add_subplot()
+        marks = []
+        for label, points in times.items():
+            style = look[label]
+            xs, ys = list(points), list(points.values())
+            axes.loglog(xs, ys, style.line, marker=style.marker, color=style.color, markersize=4)
+            text = f"{label}  {slope(points):.2f}"
+            marks.append(
+                labels.Label(xs[-1], ys[-1], text, palette.ink(style.color), xs[-1], xs[-1])
+            )
+        axes.set_xticks(COUNTS, [str(count) for count in COUNTS])
+        axes.set_xlim(COUNTS[0] * 0.9, COUNTS[-1] * 6)
+        axes.set_xlabel("layers a pixel")
+        axes.set_ylabel(f"frame time at {SIDE}×{SIDE}, ms")
+        curves = [(list(points), list(points.values())) for points in times.values()]
+        labels.place(axes, marks, lines=curves)
+        caption = "Frame time against layers a pixel; the number is the fitted exponent."
+        figures.save(figure, OUT / "layers", title="Cost of a layer", caption=caption)
+
+
+def main(texts: list[str]) -> None:
+    """Measure, print, plot."""
+    collection = Collection.load()
+    methods = collection.expand_methods(texts or list(collection.methods))
+    times = measure(methods, collection)
+    OUT.mkdir(parents=True, exist_ok=True)
+    with (OUT / "layers.csv").open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file)
+        writer.writerow(["method", *(f"{count} layers, ms" for count in COUNTS), "slope"])
+        for label, points in times.items():
+            row = [label, *(f"{points[c]:.2f}" if c in points else "" for c in COUNTS)]
+            row.append(f"{slope(points):.2f}")
+            writer.writerow(row)
+            print(f"{label:40} {' '.join(f'{value:>9}' for value in row[1:])}")
+    plot(times, methods, list(collection.methods))
+    print(f"written to {OUT}/layers.png")
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])

@@ -1,0 +1,182 @@
+"""Prints what each stage of a lit frame costs: table 1 of McGuire & Mara 2017, measured here.
+
+    python tests/benchmarks/stages.py [--size 1920x1080] [--rounds 9] [SCENE ...]
+
+Stages are shadow maps, their filtering, transparency and resolve; a scene with particles has a
+second row, for which they are accumulated at a quarter of the width and height. Upsampling counts
+as resolve, as it does there; shrinking the depth counts as the particles'. All draws are waited
+for, and the variants of a scene take turns in shuffled order, so that a machine whose speed drifts
+hurts all alike. Figures go to results/benchmarks/stages.{md,csv}; without names all lit scenes run.
+"""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from oitbench.gl.device import Device
+from oitbench.gl.draws.steps import PassRecord
+from oitbench.gl.frame import Frame
+from oitbench.gl.geometry import Geometry
+from oitbench.measure import timing
+from oitbench.method.declaration import Draws, Objects, Pass
+from oitbench.plugins import Collection
+from oitbench.scene import Scene
+
+METHODS = {"1x1": "phenomenological", "4x4 sub.": "phenomenological[subsample=4]"}
+PARTICLES, OTHERS, TOTAL = "OIT, particles", "OIT, others", "OIT"
+FOG, RESOLVE, GAIN = "OIT, medium", "resolve", "particles, times faster"
+OCCLUSION = "ambient occlusion"
+SHADING = ("shadow maps", "variance maps", OCCLUSION)
+COLUMNS = (*SHADING, PARTICLES, OTHERS, FOG, TOTAL, RESOLVE, GAIN)
+WARM_UP = 2
+"""Measured frames that do not count: drivers compile again for the queries that measuring adds."""
+BUDGET = 120.0
+"""Seconds a scene after which no further round begins, once three are complete."""
+OUT = Path("results/benchmarks")
+ENDS = ("median", "low", "high")
+Samples = dict[str, list[float]]
+
+
+@dataclass(frozen=True)
+class Row:
+    """One variant of a scene: [median, low, high] of each stage that it has, in milliseconds."""
+
+    scene: str
+    variant: str
+    stages: Mapping[str, Sequence[float]]
+
+    @property
+    def text(self) -> str:
+        """The row in Markdown."""
+        told = {
+            stage: f"{median:.2f} [{low:.2f}, {high:.2f}]"
+            for stage, (median, low, high) in self.stages.items()
+        }
+        return _line([self.scene, self.variant, *(told.get(column, "") for column in COLUMNS)])
+
+
+def stage_of(step: Pass, mixed: bool) -> str:
+    """Return the stage that a pass belongs to; `mixed` tells that particles are drawn apart."""
+    if step.draws is Draws.FRAGMENTS:
+        apart = {Objects.PARTICLES: PARTICLES, Objects.OTHERS: OTHERS}
+        return apart.get(step.objects, TOTAL) if mixed else OTHERS
+    return {"fog": FOG, "shrink_depth": PARTICLES}.get(step.name, RESOLVE)
+
+
+def measured(frame: Frame, mixed: bool, lit: bool) -> dict[str, float]:
+    """Return the milliseconds of each stage of one frame, with the shading's if `lit`."""
+    records: list[PassRecord] = []
+    frame.issue(records, check=False, lit=lit)
+    stages: dict[str, float] = {}
+    for step, record in zip(frame.passes, records, strict=True):
+        stage = stage_of(step, mixed)
+        stages[stage] = stages.get(stage, 0.0) + record.milliseconds
+    parts = [stages[name] for name in (PARTICLES, OTHERS, FOG) if name in stages]
+    stages[TOTAL] = stages.get(TOTAL, 0.0) + sum(parts)
+    for record in frame.shading_records if lit else ():
+        stage = record.name if record.name in SHADING else OCCLUSION
+        stages[stage] = stages.get(stage, 0.0) + record.milliseconds
+    return stages
+
+
+def measure(device: Device, scene: Scene, size: tuple[int, int], rounds: int) -> dict[str, Samples]:
+    """Return the samples of every stage, by variant: one a round."""
+    collection, geometry = Collection.load(), Geometry(device, scene)
+    mixed = Objects.PARTICLES in geometry.present
+    frames = {}
+    for name, text in METHODS.items():
+        if name == "1x1" or mixed:
+            (method,) = collection.expand_methods([text])
+            frames[name] = Frame(device, geometry, method, size, scene.effects & method.shows)
+            frames[name].render()
+    samples: dict[str, Samples] = {name: {} for name in frames}
+    generator, names, start = np.random.default_rng(1), list(frames), time.perf_counter()
+    for number in range(rounds + WARM_UP):
+        for name in generator.permutation(names):
+            # What shades is the same for all variants, and slow: one of them tells it.
+            lit = str(name) == "1x1" and number >= WARM_UP
+            for stage, value in measured(frames[str(name)], mixed, lit).items():
+                if number >= WARM_UP:
+                    samples[str(name)].setdefault(stage, []).append(value)
+        if number >= WARM_UP + 2 and time.perf_counter() - start > BUDGET:
+            break
+    if mixed:
+        _compare(samples)
+    for frame in frames.values():
+        frame.release()
+    geometry.release()
+    return samples
+
+
+def _compare(samples: dict[str, Samples]) -> None:
+    """Add what the particles alone cost at full resolution, and how many times less in blocks."""
+    full, small = samples["1x1"], samples["4x4 sub."]
+    small |= {name: full[name] for name in full if name in SHADING}
+    # Everything else is drawn alike in both variants, so it can be taken off.
+    others = np.median(small.get(OTHERS, [0.0])) + np.median(full.get(FOG, [0.0]))
+    full[PARTICLES] = [value - float(others) for value in full[TOTAL]]
+    small[GAIN] = [
+        one / other for one, other in zip(full[PARTICLES], small[PARTICLES], strict=True)
+    ]
+
+
+def rows_of(name: str, samples: Mapping[str, Samples]) -> list[Row]:
+    """Return one row a variant: scene, variant, and [median, low, high] a stage that there is."""
+    rows = []
+    for variant, stages in samples.items():
+        facts = {stage: timing.interval(values) for stage, values in stages.items()}
+        numbers = {stage: [fact[end] for end in ENDS] for stage, fact in facts.items()}
+        rows.append(Row(name, variant, numbers))
+    return rows
+
+
+def write(rows: list[Row], head: str) -> None:
+    """Write all rows as Markdown and as CSV."""
+    OUT.mkdir(parents=True, exist_ok=True)
+    titles = ["scene", "particles", *COLUMNS]
+    lines = [f"{head}; milliseconds: median [95 % interval]", ""]
+    lines += [_line(titles), _line(["---"] * len(titles)), *(row.text for row in rows)]
+    (OUT / "stages.md").write_text("\n".join([*lines, ""]), encoding="utf-8")
+    with (OUT / "stages.csv").open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file)
+        writer.writerow([*titles[:2], *(f"{title} {end}" for title in COLUMNS for end in ENDS)])
+        for row in rows:
+            numbers = [row.stages.get(column, [""] * len(ENDS)) for column in COLUMNS]
+            writer.writerow([row.scene, row.variant, *(n for cell in numbers for n in cell)])
+
+
+def _line(cells: Sequence[str]) -> str:
+    return f"| {' | '.join(cells)} |"
+
+
+def main() -> None:
+    """Measure, print, write."""
+    parser = argparse.ArgumentParser()
+    parser.add_argument("scenes", nargs="*")
+    parser.add_argument("--size", default="512x384")
+    parser.add_argument("--rounds", type=int, default=9)
+    options = parser.parse_args()
+    width, height = (int(side) for side in options.size.split("x"))
+    device, collection = Device(), Collection.load()
+    rows: list[Row] = []
+    for name in options.scenes or list(collection.scenes):
+        scene = collection.build_scene(name)
+        if not scene.lights:
+            print(f"left out: {name} is not lit")
+            continue
+        found = rows_of(name, measure(device, scene, (width, height), options.rounds))
+        rows += found
+        print(*(row.text for row in found), sep="\n", flush=True)
+    write(rows, f"{device.renderer}, {width}x{height}")
+    print(f"written to {OUT}/stages.md")
+
+
+if __name__ == "__main__":
+    main()

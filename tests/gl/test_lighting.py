@@ -1,0 +1,241 @@
+"""Direct light on opaque surfaces against closed forms and a float64 model of the reflection."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+
+from oitbench.gl.device import Device
+from oitbench.gl.shading.lighting import irradiance_harmonics
+from oitbench.method.declaration import Method, Target
+from oitbench.modeling.mesh import quad
+from oitbench.scene import (
+    PENUMBRA,
+    RGB,
+    Camera,
+    DirectionalLight,
+    EnvironmentLight,
+    Light,
+    Material,
+    Object,
+    Scene,
+    SpotLight,
+    Texture,
+    sample_density,
+)
+from tests.helpers import opened
+
+Floats = npt.NDArray[np.float64]
+SIZE = (33, 33)
+EYE = (0.3, 2.0, 1.5)
+CAMERA = Camera(position=EYE, target=(0, 0, 0), fov_y=math.radians(30))
+
+
+class Empty(Method):
+    """Shows the opaque picture, in full precision."""
+
+    name = "empty"
+    targets = {"color": Target("rgba32f")}  # noqa: RUF012
+
+
+def floor(material: Material) -> Object:
+    return Object("floor", quad((0, 0, 0), (4, 0, 0), (0, 0, -4)), material)
+
+
+def points() -> Floats:
+    """Return where the pixels' rays meet the floor, (h, w, 3)."""
+    right, up, back = CAMERA.axes
+    scale = math.tan(CAMERA.fov_y / 2)
+    line = (2 * (np.arange(SIZE[0]) + 0.5) / SIZE[0] - 1) * scale
+    x, y = np.meshgrid(line, -line)
+    ray = x[..., None] * right + y[..., None] * up - back
+    return np.asarray(np.asarray(EYE) + ray * (-EYE[1] / ray[..., 1:2]))
+
+
+def unit(vectors: Floats) -> Floats:
+    return np.asarray(vectors / np.linalg.norm(vectors, axis=-1, keepdims=True))
+
+
+def shown(device: Device, material: Material, *lights: Light) -> Floats:
+    scene = Scene("floor", CAMERA, (floor(material),), lights=lights)
+    with opened(device, scene, Empty(), SIZE) as frame:
+        frame.render()
+        return frame.image().astype(np.float64)
+
+
+def lobe(material: Material, to_light: Floats, to_eye: Floats) -> Floats:
+    """Return the microfacet lobe times the cosine, over a horizontal floor."""
+    a, f0 = material.roughness**2, material.reflectance
+    half = unit(to_light + to_eye)
+    nl, nv, nh = to_light[..., 1], to_eye[..., 1], half[..., 1]
+    density = a**2 / (np.pi * (nh**2 * (a**2 - 1) + 1) ** 2)
+    smith = nl * np.sqrt(nv**2 * (1 - a**2) + a**2) + nv * np.sqrt(nl**2 * (1 - a**2) + a**2)
+    fresnel = f0 + (1 - f0) * (1 - (half * to_eye).sum(axis=-1)) ** 5
+    cosine_weighted: Floats = density * 0.5 / smith * fresnel * nl
+    return cosine_weighted[..., None]
+
+
+def test_lambert_under_a_directional_light(device: Device) -> None:
+    albedo, irradiance = (0.8, 0.4, 0.2), (2.0, 3.0, 4.0)
+    sun = DirectionalLight((1.0, -2.0, 0.5), irradiance)
+    cosine = 2 / math.sqrt(1 + 4 + 0.25)
+    expected = np.multiply(albedo, irradiance) / math.pi * cosine
+    found = shown(device, Material(albedo=albedo), sun)
+    np.testing.assert_allclose(found, np.broadcast_to(expected, found.shape), rtol=1e-5)
+
+
+def test_light_from_below_does_not_shine_through(device: Device) -> None:
+    assert not shown(device, Material(albedo=(1, 1, 1)), DirectionalLight((0.0, 1.0, 0.0))).any()
+
+
+@pytest.mark.parametrize("roughness", [0.3, 0.6, 1.0])
+def test_highlights_equal_the_model(device: Device, roughness: float) -> None:
+    material = Material(specular=0.08, roughness=roughness)
+    direction = np.array([0.1, -1.0, 0.8])
+    to_light = np.broadcast_to(unit(-direction), (*SIZE, 3))
+    expected = lobe(material, to_light, unit(np.asarray(EYE) - points()))
+    found = shown(device, material, DirectionalLight((0.1, -1.0, 0.8), (1, 1, 1)))
+    np.testing.assert_allclose(found, np.broadcast_to(expected, found.shape), rtol=2e-3, atol=1e-6)
+    assert found.max() > 3 * np.median(found) or roughness > 0.3
+
+
+def test_a_mirror_shows_no_point_of_light(device: Device) -> None:
+    mirror = Material(specular=0.5, roughness=0.0)
+    assert not shown(device, mirror, DirectionalLight((0.1, -1.0, 0.8))).any()
+
+
+def test_a_spot_falls_off_by_distance_and_angle(device: Device) -> None:
+    position, angle = (0.4, 1.2, 0.1), math.radians(50)
+    spot = SpotLight(position, (0.2, 0.0, -0.1), (5.0, 5.0, 5.0), angle)
+    offset = points() - position
+    distance = np.linalg.norm(offset, axis=-1)
+    axis = unit(np.subtract((0.2, 0.0, -0.1), position))
+    off_axis = np.arccos(np.clip(unit(offset) @ axis, -1, 1))
+    falloff = np.clip((angle / 2 - off_axis) / (PENUMBRA * angle / 2), 0, 1)
+    cosine = -unit(offset)[..., 1]
+    expected = 0.5 / math.pi * 5.0 * falloff / distance**2 * cosine
+    found = shown(device, Material(albedo=(0.5, 0.5, 0.5)), spot)[..., 0]
+    np.testing.assert_allclose(found, expected, rtol=1e-3, atol=2e-4)
+    assert (found == 0).any()
+    assert ((falloff > 0) & (falloff < 1)).any()
+
+
+def test_a_particle_scatters_to_all_sides_alike(device: Device) -> None:
+    smoke = Material(albedo=(0.9, 0.6, 0.3), isotropic=True)
+    for direction in ((0.0, -1.0, 0.0), (0.7, 0.2, 0.1)):
+        found = shown(device, smoke, DirectionalLight(direction, (2, 2, 2)))
+        expected = np.multiply(smoke.albedo, 2 / (4 * math.pi))
+        np.testing.assert_allclose(found, np.broadcast_to(expected, found.shape), rtol=1e-5)
+
+
+def test_a_constant_environment_fills_and_is_mirrored(device: Device) -> None:
+    sky: RGB = (0.5, 0.7, 1.0)
+    lambert = shown(device, Material(albedo=(0.4, 0.4, 0.4)), EnvironmentLight(sky))
+    np.testing.assert_allclose(
+        lambert, np.broadcast_to(np.multiply(sky, 0.4), lambert.shape), rtol=1e-4
+    )
+    mirror = shown(device, Material(specular=0.04, roughness=0.0), EnvironmentLight(sky))
+    cosine = unit(np.asarray(EYE) - points())[..., 1:2]
+    expected = (0.04 + 0.96 * (1 - cosine) ** 5) * np.asarray(sky)
+    np.testing.assert_allclose(mirror, expected, rtol=1e-3)
+
+
+def test_transmission_loses_what_reflection_took(device: Device) -> None:
+    """Seen as transmittance alone: t = T (1 - F) (1 - albedo), over a background of one."""
+    pane = Material(transmission=(0.9, 0.8, 0.7), albedo=(0.1, 0.0, 0.2), specular=0.06)
+    scene = Scene("pane", CAMERA, (floor(pane),))
+    cosine = unit(np.asarray(EYE) - points())[..., 1:2]
+    kept = 1 - (0.06 + 0.94 * (1 - cosine) ** 5)
+    expected = np.multiply((0.9, 0.8, 0.7), (0.9, 1.0, 0.8)) * kept
+    with opened(device, scene, "phenomenological[precision=float]", SIZE) as frame:
+        frame.render(transmittance=True)
+        np.testing.assert_allclose(frame.image(), expected, rtol=1e-4)
+
+
+def test_a_particle_has_no_fresnel_term(device: Device) -> None:
+    smoke = Material(transmission=(0.9, 0.8, 0.7), isotropic=True, specular=0.5)
+    scene = Scene("smoke", CAMERA, (floor(smoke),))
+    with opened(device, scene, "phenomenological[precision=float]", SIZE) as frame:
+        frame.render(transmittance=True)
+        found = frame.image()
+    np.testing.assert_allclose(found, np.broadcast_to(smoke.transmission, found.shape), rtol=1e-5)
+
+
+DIRECTIONS: list[tuple[str, RGB]] = [
+    ("up", (0, 1, 0)), ("down", (0, -1, 0)), ("ahead", (0, 0, -1)),
+    ("behind", (0, 0, 1)), ("right", (1, 0, 0)), ("left", (-1, 0, 0)),
+]  # fmt: skip
+
+
+def lit_from(direction: RGB, width: int = 64, height: int = 32) -> Floats:
+    """Return a map that shines within 30 degrees of `direction`."""
+    polar = (np.arange(height) + 0.5) / height * math.pi
+    longitude = ((np.arange(width) + 0.5) / width - 0.5) * 2 * math.pi
+    vectors = np.stack(
+        [
+            np.sin(polar)[:, None] * np.sin(longitude),
+            np.broadcast_to(np.cos(polar)[:, None], (height, width)),
+            -np.sin(polar)[:, None] * np.cos(longitude),
+        ],
+        axis=-1,
+    )
+    inside = vectors @ np.asarray(direction, dtype=np.float64) > math.cos(math.radians(30))
+    return np.repeat(inside[..., None].astype(np.float64), 3, axis=2)
+
+
+@pytest.mark.parametrize(("name", "direction"), DIRECTIONS)
+def test_the_map_is_seen_where_it_lies(device: Device, name: str, direction: RGB) -> None:
+    texels = lit_from(direction).astype(np.float32)
+    up = (0.0, 0.0, 1.0) if name in ("up", "down") else (0.0, 1.0, 0.0)
+    dot = Object("dot", quad((30, 40, 50), (0.01, 0, 0), (0, 0.01, 0)), Material())
+    for sign, bright in ((1, True), (-1, False)):
+        camera = Camera(
+            (0, 0, 0), (sign * direction[0], sign * direction[1], sign * direction[2]), up
+        )
+        scene = Scene("sky", camera, (dot,), lights=(EnvironmentLight(Texture(texels)),))
+        with opened(device, scene, Empty(), SIZE) as frame:
+            frame.render()
+            assert (frame.image()[16, 16, 0] > 0.9) == bright
+
+
+@pytest.mark.parametrize(("name", "direction"), DIRECTIONS)
+def test_harmonics_give_the_irradiance_of_a_map(name: str, direction: RGB) -> None:
+    found = irradiance_harmonics(lit_from(direction))
+    n = np.asarray(direction, dtype=np.float64)
+    x, y, z = n
+    basis = np.array([1, y, z, x, x * y, y * z, 3 * z * z - 1, x * z, x * x - y * y])
+    exact = math.pi * math.sin(math.radians(30)) ** 2
+    np.testing.assert_allclose(basis @ found, np.full(3, exact), rtol=0.12)
+    opposite = np.array([1, -y, -z, -x, x * y, y * z, 3 * z * z - 1, x * z, x * x - y * y])
+    assert abs(opposite @ found).max() < 0.12 * math.pi
+
+
+def test_density_is_sampled_at_cell_centers() -> None:
+    def height(points: Floats) -> Floats:
+        return np.asarray(points[..., 1])
+
+    density = sample_density(height, (0, 0, 0), (2, 1, 4), (2, 4, 3))
+    assert density.shape == (3, 4, 2)
+    np.testing.assert_allclose(density[0, :, 0], [0.125, 0.375, 0.625, 0.875])
+
+
+Check = Callable[[], object]
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda: DirectionalLight((0.0, 0.0, 0.0)), "no length"),
+        (lambda: SpotLight((0, 1, 0), (0, 1, 0)), "coincide"),
+        (lambda: SpotLight((0, 1, 0), (0, 0, 0), angle=4.0), "angle"),
+    ],
+)
+def test_lights_without_sense_are_refused(make: Check, message: str) -> None:
+    from oitbench.errors import SceneError
+
+    with pytest.raises(SceneError, match=message):
+        make()

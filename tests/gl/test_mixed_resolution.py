@@ -1,0 +1,250 @@
+"""Particles in targets of a part of the frame's resolution, and what a declaration may ask for."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from oitbench.errors import DeclarationError
+from oitbench.gl.device import Device
+from oitbench.gl.draws.steps import PassRecord
+from oitbench.gl.frame import Frame, Image
+from oitbench.measure import accounting
+from oitbench.modeling.mesh import quad
+from oitbench.scene import RGB, WHITE, Camera, Material, Object, Scene
+from tests.helpers import method, opened, render, stranger, write_method
+
+SIZE = (64, 48)
+PIXELS = 64 * 48
+BLOCKS = 16 * 12
+CAMERA = Camera((0, 0, 0), (0, 0, -1))
+FULL, MIXED = "phenomenological", "phenomenological[subsample=4]"
+EXACT, EXACT_MIXED = (f"phenomenological[precision=float{more}]" for more in ("", ",subsample=4"))
+STEP = 1 / 255
+
+
+def sheet(
+    name: str, z: float, material: Material, left: float = -9.0, smoke: bool = False
+) -> Object:
+    """Return a sheet at distance z, all over the view or right of `left` on a plane at 1 m."""
+    width = 9 * z
+    mesh = quad((left * z + width, 0, -z), (width, 0, 0), (0, width, 0))
+    return Object(name, mesh, material, particles=smoke)
+
+
+def smoke(z: float, coverage: float, emission: RGB = WHITE, left: float = -9.0) -> Object:
+    material = Material(coverage=coverage, emission=emission)
+    return sheet(f"smoke {z}", z, material, left, smoke=True)
+
+
+def scene(*objects: Object) -> Scene:
+    return Scene("mixed", CAMERA, objects, background=(0.2, 0.5, 0.7))
+
+
+def rendered(frame: Frame) -> tuple[Image, list[PassRecord]]:
+    frame.render()
+    records: list[PassRecord] = []
+    frame.issue(records)
+    return frame.image(), records
+
+
+def test_even_smoke_is_the_same_at_any_resolution(device: Device) -> None:
+    glass = sheet("glass", 3.0, Material(transmission=(0.9, 0.4, 0.2)), left=0.05)
+    mixed = scene(smoke(2, 0.3), glass, smoke(4, 0.6, (0.2, 0.9, 0.4)))
+    full = render(device, mixed, EXACT, size=SIZE)
+    for subsample in (2, 4):
+        chosen = f"phenomenological[precision=float,subsample={subsample}]"
+        np.testing.assert_allclose(render(device, mixed, chosen, size=SIZE), full, atol=2e-6)
+
+
+def test_what_is_no_particle_keeps_its_resolution(device: Device) -> None:
+    # An edge of glass in the middle of a block.
+    glass = sheet("glass", 3.0, Material(coverage=0.5, emission=(3, 0, 0)), left=0.031)
+    clear = smoke(2, 0.0)
+    np.testing.assert_array_equal(
+        render(device, scene(clear, glass), MIXED, size=SIZE),
+        render(device, scene(clear, glass), FULL, size=SIZE),
+    )
+
+
+@pytest.mark.parametrize("size", [(64, 48), (67, 50), (3, 5)])
+def test_blocks_stand_where_their_pixels_do(device: Device, size: tuple[int, int]) -> None:
+    # A slope's distance is linear in 1/z, so a block's center has the mean of its pixels.
+    slope = Object("slope", quad((0, 0, -4), (9, 0, 4), (0, 9, 0)), Material(coverage=0.5))
+    found = {}
+    for chosen in (EXACT, EXACT_MIXED):
+        smooth = Object("slope", slope.mesh, slope.material, particles=True)
+        with opened(device, scene(smooth), chosen, size) as frame:
+            frame.render()
+            found[chosen] = frame.read("small_accum" if chosen == EXACT_MIXED else "accum")[..., 3]
+    full, small = found[EXACT][::-1], found[EXACT_MIXED][::-1]
+    assert small.shape == (-(-size[1] // 4), -(-size[0] // 4))
+    rows, columns = size[1] // 4, size[0] // 4
+    blocks = full[: 4 * rows, : 4 * columns].reshape(rows, 4, columns, 4)
+    # Of the mean of a convex weight the center falls short, by less than it varies in a pixel.
+    np.testing.assert_allclose(small[:rows, :columns], blocks.mean(axis=(1, 3)), rtol=5e-3)
+
+
+def test_blur_is_in_pixels_of_the_frame(device: Device) -> None:
+    frosted = Material(coverage=0.9, emission=WHITE, collimation=0.8)
+    wall = sheet("wall", 5.0, Material(emission=(0.4, 0.2, 0.1)))
+    veil = sheet("veil", 2.0, frosted, smoke=True)
+    variance = {}
+    for chosen in (EXACT, EXACT_MIXED):
+        with opened(device, scene(wall, veil), chosen, SIZE) as frame:
+            frame.render()
+            variance[chosen] = frame.read("beta")[..., 3]
+    assert variance[EXACT].min() > 1
+    np.testing.assert_allclose(variance[EXACT_MIXED], variance[EXACT], rtol=1e-5)
+
+
+@pytest.mark.parametrize("edge", [0.0, 0.03, 0.06, 0.09])
+def test_smoke_does_not_bleed_over_the_edge_of_what_is_before_it(
+    device: Device, edge: float
+) -> None:
+    board = sheet("board", 2.0, Material(emission=(0.01, 0.01, 0.01)), left=edge)
+    dense = scene(board, smoke(4, 0.9), smoke(5, 0.9))
+    full, mixed = (render(device, dense, name, size=SIZE)[24] for name in (FULL, MIXED))
+    first = int(np.argmin(full[:, 0]))  # the first column that the board covers
+    assert 30 < first < 40
+    apart = abs(mixed - full).max(axis=-1)
+    # Not even a step of the display, where smoke is a hundred times as bright as the board.
+    beside = np.r_[apart[: first - 1], apart[first + 1 :]]
+    assert beside.max() < STEP
+    assert full[first - 2, 0] > 0.9
+
+
+def test_smoke_before_an_edge_is_as_even_as_without_it(device: Device) -> None:
+    board = sheet("board", 6.0, Material(emission=(0.4, 0.2, 0.1)), left=0.02)
+    near = scene(board, smoke(2, 0.5))
+    full, mixed = (render(device, near, name, size=SIZE) for name in (EXACT, EXACT_MIXED))
+    np.testing.assert_allclose(mixed, full, atol=2e-6)
+
+
+def test_smoke_over_a_ground_seen_obliquely_shows_no_stripes(device: Device) -> None:
+    # From block to block the ground recedes by more than the key of the filter lets pass.
+    plain = quad((0, -1, -50), (90, 0, 0), (0, 0, -49.5))
+    ground = Object("ground", plain, Material(emission=WHITE))
+    banks = [smoke(2 * 1.1**k, 0.1, (0.2, 0.2, 0.2)) for k in range(24)]
+    full, mixed = (
+        render(device, scene(ground, *banks), name, size=(16, 192))[105:, 8, 0]
+        for name in (EXACT, EXACT_MIXED)
+    )
+    np.testing.assert_allclose(mixed, full, atol=0.04)
+    # A key that knows of no slope gives ten times as much curvature.
+    assert abs(np.diff(mixed, 2)).sum() < 0.05
+    assert (np.diff(mixed) > 0).all()
+
+
+def test_a_thin_object_between_the_blocks_still_gets_smoke(device: Device) -> None:
+    # Half a pixel wide and beside the texel of its block: no small texel has seen it.
+    post = Object("post", quad((0.019, 0, -3), (0.012, 0, 0), (0, 9, 0)), Material(emission=WHITE))
+    mixed = render(device, scene(post, smoke(2, 0.9, (0.1, 0.1, 0.1))), MIXED, size=SIZE)
+    assert np.isfinite(mixed).all()
+    assert mixed[24].max() < 0.25
+
+
+def test_without_particles_nothing_is_small(device: Device) -> None:
+    glass = scene(sheet("glass", 3.0, Material(coverage=0.5, emission=WHITE)))
+    names, bits = {}, {}
+    for chosen in (FULL, MIXED):
+        with opened(device, glass, chosen, SIZE) as frame:
+            names[chosen] = [item.name for item in frame.passes]
+            bits[chosen] = accounting.memory(frame)
+    assert names[MIXED] == names[FULL] == ["gather", "resolve"]
+    assert bits[MIXED] == bits[FULL]
+
+
+def test_particles_alone_leave_nothing_to_gather_in_full(device: Device) -> None:
+    with opened(device, scene(smoke(2, 0.5)), MIXED, SIZE) as frame:
+        names = [item.name for item in frame.passes]
+    assert names == ["shrink_depth", "gather small=1", "upsample", "resolve"]
+
+
+def test_memory_and_traffic_are_those_of_the_small_targets(device: Device) -> None:
+    glass = sheet("glass", 3.0, Material(coverage=0.5, emission=WHITE))
+    with opened(device, scene(smoke(2, 0.5), smoke(4, 0.5), glass), MIXED, SIZE) as frame:
+        _, records = rendered(frame)
+        memory = {item["resource"]: item["bytes"] for item in accounting.memory(frame)["terms"]}
+        terms = accounting.traffic(frame, records)
+    assert memory == {
+        "accum": 8 * PIXELS, "beta": 3 * PIXELS, "small_accum": 8 * BLOCKS,
+        "small_beta": 3 * BLOCKS, "small_distance": 4 * BLOCKS, "small_depth": 4 * BLOCKS,
+    }  # fmt: skip
+    moved = {(t.pass_, t.resource, t.kind): t.items for t in terms}
+    assert moved["gather", "accum", "write"] == PIXELS
+    assert moved["gather small=1", "small_accum", "write"] == 2 * BLOCKS
+    assert moved["shrink_depth", "opaque_depth", "read"] == BLOCKS
+    assert moved["shrink_depth", "small_depth", "write"] == BLOCKS
+    assert moved["upsample", "small_accum", "read"] == BLOCKS
+    assert moved["upsample", "accum", "blend"] == PIXELS
+    assert moved["clear", "small_accum", "clear"] == BLOCKS
+
+
+SMALL = """
+class Small(Method):
+    targets = {
+        "whole": Target("r32f"),
+        "part": Target("r32f", subsample=2),
+        "depth": Target("depth32f", clear=(1.0,), subsample=2),
+    }
+    buffers = {"heads": Buffer({"first": "uint"}, Items.PIXELS)}
+    passes = (Pass("one.glsl", %s),)
+"""
+
+
+@pytest.mark.parametrize(
+    ("declared", "message"),
+    [
+        ('Draws.PIXELS, writes={"part": ADD, "whole": ADD}', "have one size: part 1/2, whole 1/1"),
+        ('Draws.FRAGMENTS, writes={"part": ADD}', "one size: part 1/2, opaque_depth 1/1"),
+        ('Draws.PIXELS, writes={"part": ADD}, buffers=("heads",)', "buffers must be of full size"),
+        ('Draws.PIXELS, writes={"part": ADD}, tests="depth"', "`tests` is for passes of fragments"),
+        (
+            'Draws.FRAGMENTS, reads=("depth",), writes={"part": ADD}, tests="depth"',
+            "reads and tests 'depth'",
+        ),
+        ('Draws.FRAGMENTS, writes={"part": ADD}, tests="dept"', "unknown target 'dept'"),
+    ],
+)
+def test_a_pass_that_mixes_sizes_is_refused(
+    device: Device, tmp_path: Path, declared: str, message: str
+) -> None:
+    chosen = stranger(str(write_method(tmp_path / "small", SMALL % declared, one="")))
+    refused = pytest.raises(DeclarationError, match=message)
+    with refused, opened(device, scene(smoke(2, 0.5)), chosen, SIZE):
+        pass
+
+
+def test_a_pass_over_pixels_writes_a_depth_that_another_tests(
+    device: Device, tmp_path: Path
+) -> None:
+    body = """
+class Tested(Method):
+    targets = {
+        "part": Target("r32f", subsample=2),
+        "depth": Target("depth32f", clear=(0.0,), subsample=2),
+    }
+    passes = (
+        Pass("fill.glsl", Draws.PIXELS, depth="depth"),
+        Pass("count.glsl", Draws.FRAGMENTS, writes={"part": ADD}, tests="depth"),
+    )
+"""
+    # The left half of the frame has a wall at 3 m, the right half nothing.
+    fill = "void resolve() { gl_FragDepth = gl_FragCoord.x < 16.0 ? 1.0 - 0.1 / 3.0 : 1.0; }"
+    count = "void gather(Fragment fragment) { part = 1.0; }"
+    chosen = stranger(str(write_method(tmp_path / "tested", body, fill=fill, count=count)))
+    with opened(device, scene(smoke(2, 0.5), smoke(4, 0.5)), chosen, SIZE) as frame:
+        frame.render()
+        part = frame.read("part")[..., 0]
+    assert part.shape == (24, 32)
+    assert (part[:, :16] == 1).all()
+    assert (part[:, 16:] == 2).all()
+
+
+def test_subsampling_is_off_unless_it_is_asked_for() -> None:
+    plain, mixed = method(FULL), method(MIXED)
+    assert not any(target.subsample > 1 for target in plain.targets.values())
+    assert len(mixed.passes) == len(plain.passes) + 3

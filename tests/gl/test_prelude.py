@@ -1,0 +1,196 @@
+"""The GLSL that declarations imply, as text: no GPU is needed."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import ClassVar
+
+import pytest
+
+from oitbench import ADD, COMPOSITE, OVER, Buffer, Draws, Effect, Items, Method, Parameter, Pass
+from oitbench.errors import DeclarationError
+from oitbench.gl.program import prelude
+from oitbench.method.declaration import Target
+from oitbench.method.formats import FORMATS, GLSL_BYTES
+
+TARGETS = {
+    "color": Target("rgba16f"),
+    "accum": Target("rgba16f"),
+    "reveal": Target("r8"),
+    "bounds": Target("rg32f"),
+    "mask": Target("r32ui"),
+}
+BUFFERS = {
+    "heads": Buffer({"first": "uint"}, Items.PIXELS, clear=0),
+    "nodes": Buffer({"next": "uint", "front": "vec4"}, Items.FRAGMENTS),
+}
+
+
+class Knobs(Method):
+    parameters: ClassVar[Mapping[str, Parameter]] = {
+        "node": Parameter("big-one", choices=("small", "big-one")),
+        "count": Parameter(4),
+        "scale": Parameter(0.5),
+        "fast": Parameter(True),
+    }
+
+
+def gather(**more: object) -> Pass:
+    return Pass("gather.glsl", Draws.FRAGMENTS, **more)  # type: ignore[arg-type]
+
+
+def accessors(step: Pass, counted: bool = False) -> str:
+    return prelude.accessors(step, BUFFERS, prelude.bind(BUFFERS, counted))
+
+
+def test_each_written_target_is_an_output_in_order() -> None:
+    step = gather(writes={"accum": ADD, "reveal": ADD, "mask": ADD})
+    assert prelude.outputs(step, TARGETS).splitlines() == [
+        "layout(location = 0) out vec4 accum;",
+        "layout(location = 1) out float reveal;",
+        "layout(location = 2) out uint mask;",
+    ]
+
+
+def test_dual_source_blending_gives_two_outputs_at_one_location() -> None:
+    assert prelude.outputs(gather(writes={"color": COMPOSITE}), TARGETS).splitlines() == [
+        "layout(location = 0, index = 0) out vec4 color;",
+        "layout(location = 0, index = 1) out vec4 color_factor;",
+    ]
+
+
+def test_dual_source_blending_allows_no_other_target() -> None:
+    step = gather(writes={"color": COMPOSITE, "accum": ADD})
+    with pytest.raises(DeclarationError, match=r"gather\.glsl: color blends two sources"):
+        prelude.outputs(step, TARGETS)
+
+
+def test_reads_have_the_type_of_the_texel() -> None:
+    text = prelude.reads(gather(reads=("accum", "reveal", "bounds", "mask")), TARGETS)
+    for name, kind, swizzle, sampler in (
+        ("accum", "vec4", "", "sampler2D"),
+        ("reveal", "float", ".r", "sampler2D"),
+        ("bounds", "vec2", ".rg", "sampler2D"),
+        ("mask", "uint", ".r", "usampler2D"),
+    ):
+        assert f"uniform {sampler} {name}_texture;" in text
+        assert f"{kind} read_{name}(ivec2 pixel)" in text
+        assert f"texelFetch({name}_texture, pixel, 0){swizzle}; }}" in text
+        assert f"{kind} read_{name}() " in text
+
+
+def test_nothing_that_is_not_declared_is_there() -> None:
+    step = gather(writes={"color": OVER})
+    assert prelude.reads(step, TARGETS) == ""
+    assert accessors(step) == ""
+    only_heads = accessors(gather(buffers=("heads",)))
+    assert "heads_first" in only_heads
+    assert "nodes" not in only_heads
+
+
+def test_a_buffers_fields_are_blocks_of_their_own() -> None:
+    text = accessors(gather(buffers=("heads", "nodes")))
+    for binding, field, kind in (
+        (0, "heads_first", "uint"),
+        (1, "nodes_next", "uint"),
+        (2, "nodes_front", "vec4"),
+    ):
+        assert f"binding = {binding}) buffer {field}_block {{ {kind} {field}_data[]; }};" in text
+        assert f"{kind} {field}(uint i)" in text
+        assert f"void set_{field}(uint i, {kind} value)" in text
+
+
+def test_only_unsigned_fields_have_atomics() -> None:
+    text = accessors(gather(buffers=("nodes",)))
+    for verb in ("exchange", "add", "min", "max"):
+        call = f"{{ return atomic{verb.capitalize()}(nodes_next_data[i], value); }}"
+        assert f"uint {verb}_nodes_next(uint i, uint value) {call}" in text
+        assert f"{verb}_nodes_front" not in text
+
+
+def test_only_buffers_of_fragments_are_allocated_from() -> None:
+    text = accessors(gather(buffers=("heads", "nodes")))
+    assert "uint allocate_nodes()" in text
+    assert "binding = 3) buffer nodes_allocator_block" in text
+    assert "allocate_heads" not in text
+
+
+def test_side_effects_wait_for_the_depth_test() -> None:
+    early = "layout(early_fragment_tests) in;"
+    assert early in accessors(gather(buffers=("heads",)))
+    assert early not in accessors(Pass("resolve.glsl", Draws.PIXELS, buffers=("heads",)))
+
+
+def test_a_counted_build_counts_every_access_and_a_plain_one_none() -> None:
+    step = gather(buffers=("heads", "nodes"))
+    plain, counted = accessors(step), accessors(step, counted=True)
+    assert "counters" not in plain
+    slots = prelude.bind(BUFFERS, True).slots
+    for slot in slots.values():
+        assert f"+ {slot}u], 1u);" in counted or slot == slots["nodes", "front", "atomic"]
+    stripped = [line for line in counted.splitlines() if "CounterBlock" not in line]
+    for before, after in zip(plain.splitlines(), stripped, strict=True):
+        assert before == after or "atomicAdd(counters[" in after
+
+
+def test_parameters_and_effects_are_macros() -> None:
+    text = prelude.macros(Knobs(scale=1.0), Effect.COVERAGE | Effect.VOLUME)
+    assert text.splitlines() == [
+        "#define EFFECT_COVERAGE 1",
+        "#define EFFECT_VOLUME 1",
+        "#define NODE_SMALL 0",
+        "#define NODE_BIG_ONE 1",
+        "#define NODE 1",
+        "#define COUNT 4",
+        "#define SCALE 1.0",
+        "#define FAST 1",
+    ]
+
+
+def test_undeclared_names_bring_the_nearest() -> None:
+    near = r"gather\.glsl: unknown target 'acum'; did you mean accum"
+    with pytest.raises(DeclarationError, match=near):
+        prelude.outputs(gather(writes={"acum": ADD}), TARGETS)
+    with pytest.raises(DeclarationError, match=near):
+        prelude.reads(gather(reads=("acum",)), TARGETS)
+    with pytest.raises(DeclarationError, match="unknown buffer 'node'; did you mean nodes"):
+        accessors(gather(buffers=("node",)))
+    with pytest.raises(DeclarationError, match="unknown texture format 'rgb16f'; did you mean"):
+        _ = Target("rgb16f").texel
+
+
+def test_a_target_cannot_be_read_while_it_is_written() -> None:
+    with pytest.raises(DeclarationError, match="reads and writes 'accum' in one pass"):
+        prelude.reads(gather(reads=("accum",), writes={"accum": ADD}), TARGETS)
+
+
+def test_the_tables_of_sizes_agree_with_their_names() -> None:
+    for name, entry in FORMATS.items():
+        digits = int("".join(c for c in name if c.isdigit()))
+        assert 8 * entry.bytes == digits * entry.components, name
+    assert all(size == 4 * int(kind[-1]) for kind, size in GLSL_BYTES.items() if "vec" in kind)
+
+
+def test_numbered_targets_are_reached_by_index() -> None:
+    slices = {f"slice{i}": Target("rg32f") for i in range(2)}
+    written = prelude.indexed(gather(writes=dict.fromkeys(slices, ADD)), slices)
+    assert "vec2 get_slice(int i) { if (i == 1) return slice1; return slice0; }" in written
+    assert "if (i == 0) slice0 = value; if (i == 1) slice1 = value;" in written
+    read = prelude.indexed(gather(reads=tuple(slices)), slices)
+    assert "vec2 read_slice(int i) { if (i == 1) return read_slice1(); return read_slice0(); }" in (
+        read
+    )
+
+
+@pytest.mark.parametrize(
+    ("names", "found"),
+    [
+        (["slice0", "slice1", "color"], {"slice": 2}),
+        (["slice1", "slice0", "front0"], {"slice": 2, "front": 1}),
+        (["slice1", "slice2"], {}),
+    ],
+)
+def test_only_targets_numbered_from_zero_are_a_family(
+    names: list[str], found: dict[str, int]
+) -> None:
+    assert prelude.families(names) == found

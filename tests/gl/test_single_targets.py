@@ -1,0 +1,59 @@
+"""Targets of one sample a pixel in a multisampled frame."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from oitbench.errors import DeclarationError
+from oitbench.gl.device import Device
+from oitbench.modeling.mesh import quad
+from oitbench.scene import WHITE, Camera, Material, Object, Scene
+from tests.helpers import opened, stranger, write_method
+
+DECLARED = """
+class Counting(Method):
+    samples = 4
+    targets = {"one": Target("r32f", single=True), "four": Target("r32f")}
+    passes = %s
+"""
+APART = """(
+        Pass("one.glsl", Draws.FRAGMENTS, writes={"one": ADD}),
+        Pass("four.glsl", Draws.FRAGMENTS, writes={"four": ADD}),
+    )"""
+TOGETHER = """(Pass("one.glsl", Draws.FRAGMENTS, writes={"one": ADD, "four": ADD}),)"""
+SHADERS = {name: f"void gather(Fragment fragment) {{ {name} = 1.0; }}" for name in ("one", "four")}
+
+
+@pytest.fixture
+def leaning() -> Scene:
+    """A pane whose edges cross pixels, and a leaning wall that hides a part of it."""
+    pane = Object("pane", quad((0, 0, -4), (0.9, 0.3, 0), (-0.3, 0.9, 0)), Material(coverage=0.5))
+    wall = Object("wall", quad((1, 0, -3), (0.8, 0.2, 0), (-0.1, 3, 0)), Material(emission=WHITE))
+    return Scene("leaning", Camera((0, 0, 0), (0, 0, -1)), (pane, wall))
+
+
+def test_a_single_target_counts_centers_and_the_others_samples(
+    device: Device, leaning: Scene, tmp_path: Path
+) -> None:
+    chosen = stranger(str(write_method(tmp_path / "counting", DECLARED % APART, **SHADERS)))
+    with opened(device, leaning, chosen, (64, 64)) as frame:
+        frame.render()
+        one, four = frame.read("one")[..., 0], frame.read("four")[..., 0]
+        centers = frame.complexity[::-1]
+    np.testing.assert_array_equal(one, centers)
+    assert set(np.unique(one)) == {0, 1}
+    # Partly covered pixels, at the pane's edges and at the wall's.
+    assert set(np.unique(four)) == {0, 0.25, 0.5, 0.75, 1}
+    assert (abs(one - four) <= 0.75).all()
+
+
+def test_a_pass_writes_single_targets_or_others(
+    device: Device, leaning: Scene, tmp_path: Path
+) -> None:
+    chosen = stranger(str(write_method(tmp_path / "mixed", DECLARED % TOGETHER, **SHADERS)))
+    refused = pytest.raises(DeclarationError, match="all targets or none must be single")
+    with refused, opened(device, leaning, chosen, (8, 8)):
+        pass

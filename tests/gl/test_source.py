@@ -1,0 +1,131 @@
+"""Shaders are put together from files; an error names the file and line that it comes from."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from oitbench.errors import DeclarationError
+from oitbench.gl.device import Device
+from oitbench.gl.program.source import Source
+from oitbench.plugins import Collection
+from tests.helpers import Layer, render, stack, write_method
+
+SIMPLE = """
+class Simple(Method):
+    passes = (Pass("draw.glsl", Draws.FRAGMENTS, writes={"color": ADD}),)
+"""
+
+
+def source_of(folder: Path, **files: str) -> Source:
+    for name, text in files.items():
+        (folder / f"{name}.glsl").write_text(text)
+    return Source(folder)
+
+
+def failure(device: Device, folder: Path, **shaders: str) -> str:
+    """Render a method with these shaders, and return what it fails with."""
+    chosen = Collection.load().add_method(write_method(folder / "simple", SIMPLE, **shaders))()
+    with pytest.raises(DeclarationError) as caught:
+        render(device, stack([Layer(2, 0.5)]), chosen)
+    return str(caught.value).replace(str(folder), "")
+
+
+def test_files_are_put_together_in_order(tmp_path: Path) -> None:
+    source = source_of(tmp_path, first="float a;\n", second="float b;\n")
+    source.add_text("prelude", "#define A 1")
+    source.add_file("first.glsl")
+    source.add_file("second.glsl")
+    assert source.text.splitlines() == [
+        "#version 450 core",
+        "#define A 1",
+        "float a;",
+        "float b;",
+    ]
+
+
+def test_an_include_stands_where_it_is_written(tmp_path: Path) -> None:
+    source = source_of(tmp_path, main='float a;\n#include "part.glsl"\nfloat b;\n', part="float p;")
+    source.add_file("main.glsl")
+    main, part = str(tmp_path / "main.glsl"), str(tmp_path / "part.glsl")
+    assert source.lines == ["float a;", "float p;", "float b;"]
+    assert source.places == [(main, 1), (part, 1), (main, 3)]
+
+
+def test_includes_may_nest_and_repeat_but_not_recur(tmp_path: Path) -> None:
+    source = source_of(
+        tmp_path,
+        main='#include "a.glsl"\n#include "b.glsl"\n#include "b.glsl"\n',
+        a='#include "b.glsl"\n',
+        b="float b;\n",
+        loop='float x;\n#include "back.glsl"\n',
+        back='#include "loop.glsl"\n',
+    )
+    source.add_file("main.glsl")
+    assert source.text.count("float b;") == 3
+    with pytest.raises(DeclarationError, match=r"back\.glsl:1: 'loop\.glsl' includes itself"):
+        source.add_file("loop.glsl")
+
+
+def test_a_methods_file_goes_before_a_shared_one_of_that_name(tmp_path: Path) -> None:
+    source = source_of(tmp_path, count="// mine\n")
+    source.add_file("count.glsl")
+    source.add_file("fragment.glsl")
+    assert "// mine" in source.text
+    assert "struct Fragment" in source.text
+
+
+def test_a_missing_file_is_told_with_its_folder(tmp_path: Path) -> None:
+    with pytest.raises(DeclarationError, match=r"there is no shader 'nothing\.glsl'") as caught:
+        Source(tmp_path).add_file("nothing.glsl")
+    assert str(tmp_path) in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    "log",
+    [
+        "0:4(12): error: `x' undeclared",
+        "0(4) : error C1503: undefined variable",
+        "ERROR: 0:4: 'x' : undeclared",
+    ],
+)
+def test_every_drivers_way_to_give_a_line_is_read(tmp_path: Path, log: str) -> None:
+    source = source_of(tmp_path, main="float a;\nfloat b;\n")
+    source.add_text("prelude", "#define A 1")
+    source.add_file("main.glsl")
+    told = source.explain(f"GLSL Compiler failed\n\nfragment_shader\n===\n{log}\n")
+    assert told.startswith(f"{tmp_path / 'main.glsl'}:2: ")
+    assert "\n" not in told
+
+
+def test_a_compile_error_names_the_plugins_file_and_line(device: Device, tmp_path: Path) -> None:
+    told = failure(
+        device, tmp_path, draw="// one\nvoid gather(Fragment fragment) {\n    color = nowhere;\n}\n"
+    )
+    assert told.startswith("/simple/draw.glsl:3: error")
+    assert "nowhere" in told
+
+
+def test_an_error_in_or_after_an_include_keeps_its_place(device: Device, tmp_path: Path) -> None:
+    draw = '\n#include "part.glsl"\nvoid gather(Fragment fragment) {\n    color = four();\n}\n'
+    told = failure(device, tmp_path / "in", draw=draw, part="\n\nvec4 four() { return 4; }\n")
+    assert told.startswith("/simple/part.glsl:3: error")
+    told = failure(
+        device, tmp_path / "after", draw=draw, part="\nvec3 four() { return vec3(4.0); }\n"
+    )
+    assert told.startswith("/simple/draw.glsl:4: error")
+
+
+def test_a_shader_cannot_use_what_its_pass_does_not_declare(device: Device, tmp_path: Path) -> None:
+    told = failure(
+        device, tmp_path, draw="void gather(Fragment fragment) { color = read_opaque_color(); }"
+    )
+    assert told.startswith("/simple/draw.glsl:1: error")
+    assert "read_opaque_color" in told
+
+
+def test_a_shader_without_its_function_is_told(device: Device, tmp_path: Path) -> None:
+    told = failure(device, tmp_path, draw="void gathers(Fragment fragment) {}\n")
+    assert "gather" in told
+    assert "\n" not in told

@@ -1,0 +1,235 @@
+"""Images and metrics: known values, and what must not be scored in silence."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+
+from oitbench.errors import UsageError
+from oitbench.image import files as images
+from oitbench.image import metrics
+
+Floats = npt.NDArray[np.float64]
+
+
+@pytest.fixture
+def picture() -> images.Image:
+    return np.random.default_rng(7).random((24, 32, 3), dtype=np.float32)
+
+
+def constant(color: tuple[float, float, float], side: int = 24) -> images.Image:
+    return np.full((side, side, 3), color, dtype=np.float32)
+
+
+def flip_of_constants(one: Floats, other: Floats) -> float:
+    """Return FLIP of two constant images of linear color, from the equations of the HPG 2020 paper.
+
+    Filters and features vanish, which leaves the Hunt-adjusted HyAB distance and its remapping.
+    """
+    to_xyz = np.array(
+        [
+            [10135552 / 24577794, 8788810 / 24577794, 4435075 / 24577794],
+            [2613072 / 12288897, 8788810 / 12288897, 887015 / 12288897],
+            [1425312 / 73733382, 8788810 / 73733382, 70074185 / 73733382],
+        ]
+    )
+
+    def hunt_lab(rgb: Floats) -> Floats:
+        ratio = to_xyz @ rgb / (to_xyz @ np.ones(3))
+        delta = 6 / 29
+        f = np.where(ratio > delta**3, np.cbrt(ratio), ratio / (3 * delta**2) + 4 / 29)
+        light = 116 * f[1] - 16
+        hunt = 0.01 * light
+        return np.array([light, hunt * 500 * (f[0] - f[1]), hunt * 200 * (f[1] - f[2])])
+
+    def distance(a: Floats, b: Floats) -> float:
+        change = hunt_lab(a) - hunt_lab(b)
+        return float((abs(change[0]) + math.hypot(change[1], change[2])) ** 0.7)
+
+    largest = distance(np.array([0.0, 1.0, 0.0]), np.array([0.0, 0.0, 1.0]))
+    error, knee = distance(one, other), 0.4 * largest
+    if error < knee:
+        return 0.95 * error / knee
+    return 0.95 + 0.05 * (error - knee) / (largest - knee)
+
+
+def test_srgb_matches_the_standard() -> None:
+    # IEC 61966-2-1: 18 % grey encodes to 0.4614, and the toe is linear.
+    encoded = images.to_srgb(constant((0.18, 0.001, 2.0)), 0.0)
+    assert encoded[0, 0] == pytest.approx([0.461356, 0.01292, 1.0], abs=1e-5)
+    assert images.to_srgb(constant((0.09, 0, 0)), 1.0)[0, 0, 0] == encoded[0, 0, 0]
+
+
+@pytest.mark.parametrize("half", [False, True])
+def test_exr_keeps_values_and_rows(tmp_path: Path, picture: images.Image, half: bool) -> None:
+    stored = picture.astype(np.float16).astype(np.float32) if half else picture.copy()
+    stored[0, 1], stored[2, 3] = np.nan, np.inf
+    # A flipped view is not contiguous, which the binding would misread.
+    images.write_exr(tmp_path / "a" / "b.exr", stored[::-1], half=half)
+    assert np.array_equal(images.read_exr(tmp_path / "a" / "b.exr"), stored[::-1], equal_nan=True)
+    assert [path.name for path in (tmp_path / "a").iterdir()] == ["b.exr"]
+
+
+def test_half_refuses_what_it_cannot_hold(tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match="does not fit a half"):
+        images.write_exr(tmp_path / "a.exr", constant((1e6, 0, 0)), half=True)
+
+
+def test_missing_and_damaged_images_are_named(tmp_path: Path, picture: images.Image) -> None:
+    with pytest.raises(UsageError, match=r"no\.exr: there is no such image"):
+        images.read_exr(tmp_path / "no.exr")
+    path = tmp_path / "cut.exr"
+    images.write_exr(path, picture)
+    path.write_bytes(path.read_bytes()[:-500])
+    with pytest.raises(UsageError, match=r"cut\.exr is not a readable OpenEXR image"):
+        images.read_exr(path)
+
+
+def test_exr_into_a_file_as_folder_is_a_usage_error(tmp_path: Path, picture: images.Image) -> None:
+    (tmp_path / "file").touch()
+    with pytest.raises(UsageError, match="cannot be written"):
+        images.write_exr(tmp_path / "file" / "a.exr", picture)
+
+
+def test_png_shows_what_is_not_finite(tmp_path: Path) -> None:
+    from PIL import Image
+
+    picture = constant((0.5, 0.5, 0.5))
+    picture[3, 4, 1] = np.nan
+    images.write_png(tmp_path / "a.png", picture)
+    levels = np.asarray(Image.open(tmp_path / "a.png"))
+    assert levels[3, 4].tolist() == [255, 0, 255]
+    assert levels[0, 0].tolist() == [128, 128, 128]
+
+
+def test_box_downsample_averages_blocks() -> None:
+    picture = np.arange(4 * 6 * 3, dtype=np.float32).reshape(4, 6, 3)
+    small = images.box_downsample(picture, 2)
+    assert small.shape == (2, 3, 3)
+    assert small[1, 2] == pytest.approx(picture[2:4, 4:6].mean(axis=(0, 1)))
+    with pytest.raises(ValueError, match="cannot be averaged"):
+        images.box_downsample(picture, 4)
+
+
+def test_counts_pixels_not_channels() -> None:
+    picture = constant((1, 1, 1))
+    picture[0, 0] = np.nan
+    picture[0, 1] = (np.inf, 0, 0)
+    picture[0, 2] = (-np.inf, 0, 0)
+    picture[0, 3] = (-1e-6, -1, 0)
+    picture[0, 4] = -0.0
+    assert metrics.count_nonfinite(picture) == {"nan": 1, "inf": 2, "negative": 1}
+
+
+def test_flip_matches_the_published_equations() -> None:
+    pairs = [((0.25, 0.25, 0.25), (0.5, 0.5, 0.5)), ((0, 0, 0), (1, 1, 1)), ((0.3, 0.1, 0.6),) * 2]
+    pairs.append(((0.0, 1.0, 0.0), (0.0, 0.0, 1.0)))
+    for one, other in pairs:
+        expected = flip_of_constants(np.array(one, float), np.array(other, float))
+        measured = metrics.flip_ldr(constant(one), constant(other), 0.0)
+        assert measured == pytest.approx(expected, abs=2e-4), (one, other)
+
+
+def test_flip_depends_on_the_exposed_image_alone(picture: images.Image) -> None:
+    other = picture[::-1]
+    direct = metrics.flip_ldr(picture, other, 0.0)
+    assert direct is not None
+    assert direct > 0.1
+    assert metrics.flip_ldr(picture / 4, other / 4, 2.0) == pytest.approx(direct, abs=1e-6)
+
+
+def test_flip_map_averages_to_flip(picture: images.Image) -> None:
+    for hdr in (False, True):
+        errors = metrics.flip_map(picture, picture[::-1], 0.5, hdr=hdr)
+        assert errors is not None
+        assert errors.shape == (24, 32)
+        whole = metrics.compare(picture, picture[::-1], 0.5)
+        name = metrics.FLIP_HDR if hdr else metrics.FLIP_LDR
+        assert float(errors.mean()) == pytest.approx(whole[name], abs=1e-6)
+
+
+def test_equal_images() -> None:
+    picture = constant((0.2, 0.5, 0.8))
+    values = metrics.compare(picture, picture, 0.0)
+    assert tuple(values) == metrics.NAMES
+    assert values[metrics.PSNR] is None
+    assert values[metrics.SSIM] == pytest.approx(1)
+    assert [values[name] for name in (metrics.FLIP_LDR, metrics.FLIP_HDR, metrics.RMSE)] == [0] * 3
+    json.dumps(values, allow_nan=False)
+
+
+def test_errors_of_known_size() -> None:
+    truth, guess = constant((0.5, 0.5, 0.5)), constant((0.75, 0.5, 0.5))
+    values = metrics.compare(truth, guess, 0.0)
+    assert values[metrics.RMSE] == pytest.approx(0.25 / math.sqrt(3))
+    assert values[metrics.RELMSE] == pytest.approx(0.0625 / 0.26 / 3)
+    shown = images.to_srgb(np.array([0.5, 0.75]), 0.0)
+    expected = -10 * math.log10((shown[1] - shown[0]) ** 2 / 3)
+    assert values[metrics.PSNR] == pytest.approx(expected, rel=1e-5)
+
+
+@pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf])
+def test_pixels_that_are_not_finite_have_no_score(picture: images.Image, bad: float) -> None:
+    broken = picture.copy()
+    broken[5, 5, 1] = bad
+    for pair in ((picture, broken), (broken, picture)):
+        assert set(metrics.compare(*pair, 0.0).values()) == {None}
+        assert metrics.flip_map(*pair, 0.0) is None
+
+
+def test_hdr_flip_survives_a_black_reference(picture: images.Image) -> None:
+    # With automatic exposures, the evaluator would end the process here.
+    black = np.zeros_like(picture)
+    assert metrics.flip_hdr(black, black, -2, 2) == 0
+    error = metrics.flip_hdr(black, picture, -2, 2)
+    assert error is not None
+    assert 0.5 < error <= 1
+
+
+def test_hdr_flip_sees_what_the_display_clips() -> None:
+    bright, brighter = constant((2, 2, 2)), constant((6, 6, 6))
+    assert metrics.flip_ldr(bright, brighter, 0.0) == 0
+    assert (metrics.flip_hdr(bright, brighter, -2, 2) or 0) > 0.05
+
+
+def test_wrong_types_and_shapes_raise(picture: images.Image) -> None:
+    with pytest.raises(TypeError, match="uint8"):
+        metrics.flip_ldr((picture * 255).astype(np.uint8), picture, 0.0)
+    with pytest.raises(ValueError, match=r"\(height, width, 3\)"):
+        metrics.compare(np.dstack([picture, picture[..., :1]]), picture, 0.0)
+    with pytest.raises(ValueError, match="but the test image is"):
+        metrics.compare(picture, picture[:-1], 0.0)
+
+
+def test_small_images_have_no_ssim() -> None:
+    small = constant((0.5, 0.5, 0.5), side=10)
+    assert metrics.compare(small, small, 0.0)[metrics.SSIM] is None
+    assert metrics.compare(small, small, 0.0)[metrics.RMSE] == 0
+
+
+def test_transmittance(picture: images.Image) -> None:
+    grey = picture.mean(axis=-1)
+    assert metrics.rmse_transmittance(picture, grey) == pytest.approx(0, abs=1e-7)
+    assert metrics.rmse_transmittance(grey, grey + 0.5) == pytest.approx(0.5)
+    assert metrics.rmse_transmittance(grey, grey * np.nan) is None
+    with pytest.raises(ValueError, match="have shapes"):
+        metrics.rmse_transmittance(grey, grey[1:])
+
+
+def test_order_spread_is_the_range_of_each_channel(picture: images.Image) -> None:
+    brighter, darker = picture.copy(), picture.copy()
+    brighter[0, 0, 0] += np.float32(0.25)
+    darker[0, 0, 0] -= np.float32(0.125)
+    found = metrics.order_spread([picture, brighter, darker])
+    assert found[metrics.ORDER_SPREAD_MAX] == pytest.approx(0.375)
+    assert found[metrics.ORDER_SPREAD_MEAN] == pytest.approx(0.375 / picture.size)
+    nothing = {metrics.ORDER_SPREAD_MAX: None, metrics.ORDER_SPREAD_MEAN: None}
+    assert metrics.order_spread([]) == metrics.order_spread([picture]) == nothing
+    assert metrics.order_spread([picture, picture * np.nan]) == nothing
+    endless = np.full_like(picture, np.inf)
+    assert metrics.order_spread([endless, endless]) == nothing

@@ -1,0 +1,265 @@
+"""Runs of the matrix: whatever one cell does, the others are done and kept."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from oitbench.effects import SHADING, Effect, names
+from oitbench.errors import CapabilityError, UsageError
+from oitbench.gl.frame import Frame
+from oitbench.image.files import read_exr
+from oitbench.matrix import run as matrix
+from oitbench.matrix.cell import Bench, Cell, choose_effects
+from oitbench.matrix.run import Outcome
+from oitbench.measure import timing
+from oitbench.plugins import Collection
+from oitbench.results.store import Record
+from tests.plugins import misbehaving
+
+SIZE = (32, 32)
+
+
+@pytest.fixture(scope="module")
+def plugins(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return misbehaving(tmp_path_factory.mktemp("plugins"))
+
+
+def run(
+    plugins: Path, out: Path, scenes: list[str], methods: list[str], **more: Any
+) -> tuple[Outcome, dict[tuple[str, str], Record]]:
+    """Run these cells without sub-pixels; return the outcome, and the records by their names."""
+    given = {"size": SIZE, "ssaa": 1, "out": out, "collections": [plugins], **more}
+    outcome = matrix.run(matrix.plan(scenes, methods, **given))
+    lines = (out / "cells.jsonl").read_text().splitlines()
+    records = [json.loads(line) for line in lines]
+    return outcome, {(record["scene"], record["method"]): record for record in records}
+
+
+@pytest.fixture(scope="module")
+def finished(plugins: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with the results of two scenes by two methods."""
+    out = tmp_path_factory.mktemp("finished")
+    run(plugins, out, ["calm", "restless[count=5]"], ["alpha_blend", "a_buffer[node=compact]"])
+    return out
+
+
+def records_of(folder: Path) -> list[Record]:
+    return [json.loads(line) for line in (folder / "cells.jsonl").read_text().splitlines()]
+
+
+def test_every_cell_becomes_one_record(finished: Path) -> None:
+    records = records_of(finished)
+    assert {(r["scene"], r["method"]) for r in records} == {
+        (scene, name)
+        for scene in ("calm", "restless[count=5]")
+        for name in ("alpha_blend", "a_buffer[node=compact]")
+    }
+    assert {r["status"] for r in records} == {"ok"}
+
+
+def test_a_record_holds_all_that_reports_need(finished: Path) -> None:
+    record = next(r for r in records_of(finished) if r["method"] == "a_buffer[node=compact]")
+    assert record["name"] == "a_buffer"
+    assert record["params"] == {"node": "compact", "resolve": "sorted", "msaa": 1}
+    assert record["size"] == list(SIZE)
+    assert record["effects"] == {"called": ["COVERAGE"], "expressed": ["COVERAGE"], "missing": []}
+    layers = 3 if record["scene"] == "calm" else 5
+    assert record["max_depth_complexity"] == layers
+    assert record["fragments"] == layers * 32 * 32
+    heads = next(t for t in record["memory"]["terms"] if t["resource"] == "heads")
+    assert heads["bytes"] == 4 * 32 * 32
+    assert record["traffic"]["bytes"] == sum(t["bytes"] for t in record["traffic"]["terms"])
+    assert record["nonfinite"] == {"nan": 0, "inf": 0, "negative": 0}
+    assert 0 < record["metrics"]["exact"]["rmse_lin"] < 0.01
+    assert "path" in record["metrics"]["path_traced"]["reason"]
+    samples = record["time"]["frame_ms"]["samples"]
+    assert len(samples) >= 3
+    assert [p["name"] for p in record["time"]["passes"]] == ["capture", "resolve_sorted"]
+    assert read_exr(finished / record["images"]["color"]).shape == (32, 32, 3)
+    assert (finished / record["images"]["exact"]).is_file()
+
+
+def test_run_json_tells_where_it_ran(finished: Path) -> None:
+    facts = json.loads((finished / "run.json").read_text())
+    assert facts["gl"]["renderer"]
+    assert facts["wall"]["seconds"] > 0
+
+
+def test_a_second_run_keeps_finished_cells(plugins: Path, finished: Path) -> None:
+    before = records_of(finished)
+    outcome, _ = run(plugins, finished, ["calm"], ["alpha_blend", "a_buffer[node=compact]"])
+    assert (outcome.kept, outcome.statuses) == (2, {})
+    assert records_of(finished) == before
+
+
+def test_half_a_line_of_a_killed_run_costs_that_cell_alone(plugins: Path, tmp_path: Path) -> None:
+    methods = ["alpha_blend", "sorted_over"]
+    run(plugins, tmp_path, ["calm"], methods)
+    cells = tmp_path / "cells.jsonl"
+    cells.write_text(cells.read_text()[:-40])
+    outcome, records = run(plugins, tmp_path, ["calm"], methods)
+    assert (outcome.kept, outcome.statuses) == (1, {"ok": 1})
+    assert {name for _, name in records} == set(methods)
+
+
+def test_force_does_finished_cells_again(plugins: Path, finished: Path) -> None:
+    outcome, _ = run(plugins, finished, ["calm"], ["alpha_blend"], force=True)
+    assert (outcome.kept, outcome.statuses) == (0, {"ok": 1})
+    assert len(records_of(finished)) == 4
+
+
+def test_one_bad_cell_does_not_hurt_the_others(plugins: Path, tmp_path: Path) -> None:
+    broken = str(plugins / "methods" / "broken")
+    methods = [broken, "demanding", "unstable", "alpha_blend"]
+    outcome, records = run(
+        plugins, tmp_path, ["calm", "crasher", "raiser", "poisoned"], methods, workers=2
+    )
+    told = {name: records["calm", name] for name in ("broken", "demanding", "unstable")}
+    assert told["broken"]["status"] == "failed"
+    assert f"{broken}/draw.glsl:2: error" in told["broken"]["reason"]
+    assert told["demanding"]["status"] in ("skipped", "failed")
+    assert "no_such_thing" in told["demanding"]["reason"]
+    assert told["unstable"]["status"] == "unstable"
+    assert told["unstable"]["nonfinite"]["nan"] == 32 * 32
+    assert told["unstable"]["reason"] == "pixels: 1024 nan"
+    assert records["calm", "alpha_blend"]["status"] == "ok"
+    assert records["calm", "alpha_blend"]["time"] is not None
+    for scene, reason in (
+        ("crasher", "the worker process ended with code 7"),
+        ("raiser", "ValueError: the scene is unwell"),
+        ("poisoned", "background holds NaN or infinity"),
+    ):
+        assert records[scene, "alpha_blend"]["status"] == "failed"
+        assert reason in records[scene, "alpha_blend"]["reason"]
+    assert sum(outcome.statuses.values()) == 16
+
+
+def test_failed_cells_are_tried_again(plugins: Path, tmp_path: Path) -> None:
+    for _ in range(2):
+        outcome, _ = run(plugins, tmp_path, ["poisoned"], ["alpha_blend"])
+        assert (outcome.kept, outcome.statuses) == (0, {"failed": 1})
+
+
+def test_a_cell_that_hangs_is_ended(plugins: Path, tmp_path: Path) -> None:
+    _, records = run(plugins, tmp_path, ["sleeper", "calm"], ["alpha_blend"], timeout=4.0)
+    assert records["sleeper", "alpha_blend"]["status"] == "timeout"
+    assert records["sleeper", "alpha_blend"]["reason"] == "took longer than 4 s"
+    assert records["calm", "alpha_blend"]["status"] == "ok"
+
+
+def test_a_stopped_run_ends_at_once_and_keeps_what_is_done(plugins: Path, tmp_path: Path) -> None:
+    command = [sys.executable, "-m", "oitbench", "run", "--size", "16x16", "--ssaa", "1"]
+    command += ["--scene", "calm", "--scene", "sleeper[count=1,2,3]", "--method", "alpha_blend"]
+    command += ["--collection", str(plugins), "--out", str(tmp_path)]
+    with subprocess.Popen(command, stderr=subprocess.PIPE, text=True) as process:
+        for _ in range(600):
+            if (tmp_path / "cells.jsonl").is_file():
+                break
+            time.sleep(0.1)
+        os.kill(process.pid, signal.SIGINT)
+        _, told = process.communicate(timeout=60)
+    assert process.returncode == 130
+    assert "run again to resume" in told
+    assert [r["scene"] for r in records_of(tmp_path)] == ["calm"]
+
+
+def test_a_driver_is_told_what_no_frame_can_be(plugins: Path, tmp_path: Path) -> None:
+    _, records = run(plugins, tmp_path, ["calm"], ["alpha_blend"], size=(1_000_000, 1))
+    assert records["calm", "alpha_blend"]["status"] == "failed"
+    assert "the driver's limit" in records["calm", "alpha_blend"]["reason"]
+
+
+def test_plans_are_checked_before_anything_is_done(plugins: Path, tmp_path: Path) -> None:
+    for wrong, told in (
+        ({"size": (0, 5)}, "size 0x5"),
+        ({"workers": 0}, "workers 0"),
+        ({"timeout": 0.0}, "timeout is 0 s"),
+        ({"preset": "huge"}, "unknown preset 'huge'"),
+        ({"effects": ("-fog",)}, "unknown effect 'fog'"),
+        ({"methods": ["alpha_bland"]}, "did you mean alpha_blend"),
+    ):
+        with pytest.raises(UsageError, match=told):
+            matrix.plan(**{"out": tmp_path / "out", **wrong})  # type: ignore[arg-type]
+    assert not (tmp_path / "out").exists()
+
+
+def axis(scene: str, method: str, *effects: str, **more: Any) -> list[str]:
+    """Return the effects of the cells that are planned for one scene and method."""
+    planned = matrix.plan([scene], [method], effects=effects, **more)
+    return [cell.effects for cell in planned.cells]
+
+
+def test_each_effect_is_left_out_in_turn() -> None:
+    shadows = ["-shadows", "-translucent_shadows", "-colored_shadows", "-caustics"]
+    # One refracts and one does not; shading is there for both.
+    assert axis("shadow_trio", "phenomenological", "each") == ["called", "-refraction", *shadows]
+    assert axis("shadow_trio", "sorted_over", "each") == ["called", *shadows]
+    # That the glass is colored is nothing that this method would draw differently without.
+    assert "-colored_transmission" in axis("shadow_trio", "dual_depth_peeling", "each")
+    assert axis("layer_stack", "phenomenological", "each") == ["called"]
+
+
+def test_effects_that_are_asked_for_twice_make_one_cell() -> None:
+    asked = ("called", "each", "-caustics", "none")
+    shadows = ["-shadows", "-translucent_shadows", "-colored_shadows", "-caustics"]
+    assert axis("shadow_trio", "sorted_over", *asked) == ["called", *shadows, "none"]
+
+
+def test_a_scene_that_cannot_be_built_is_planned_all_the_same(plugins: Path) -> None:
+    assert axis("raiser", "sorted_over", "each", collections=[plugins]) == ["called"]
+
+
+def test_with_an_effect_goes_what_means_nothing_without_it() -> None:
+    called = Effect.TRANSLUCENT_SHADOWS | Effect.COLORED_SHADOWS | Effect.CAUSTICS | Effect.SHADOWS
+    assert choose_effects("-translucent_shadows", called) == Effect.SHADOWS
+    assert choose_effects("-shadows", called) == Effect.NONE
+    assert choose_effects("-caustics", called) == called & ~Effect.CAUSTICS
+    occlusion = Effect.AMBIENT_OCCLUSION | Effect.INFERRED_AO
+    assert choose_effects("-ambient_occlusion", occlusion) == Effect.NONE
+    assert choose_effects("-inferred_ao", occlusion) == Effect.AMBIENT_OCCLUSION
+
+
+def test_what_is_timed_is_what_was_rendered(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    timed: list[Effect] = []
+
+    def measure(frames: dict[str, Frame], *_: Any) -> dict[str, timing.Timing]:
+        timed.extend(frame.effects for frame in frames.values())
+        return dict.fromkeys(frames, timing.Timing([1.0], [0.0]))
+
+    monkeypatch.setattr(timing, "measure", measure)
+    bench = Bench(Collection.load(), tmp_path)
+    cells = [
+        Cell("shadow_trio[detail=0.05]", "sorted_over", (8, 8), effects=effects)
+        for effects in ("called", "-translucent_shadows")
+    ]
+    bench.time(cells, rounds=1, budget=0.0)
+    bench.device.release()
+    shadows = [names(effects & SHADING) for effects in timed]
+    assert shadows == [
+        ["SHADOWS", "TRANSLUCENT_SHADOWS", "COLORED_SHADOWS", "CAUSTICS"],
+        ["SHADOWS"],
+    ]
+
+
+def test_a_folder_that_cannot_be_written_is_refused(plugins: Path) -> None:
+    with pytest.raises(UsageError, match="cannot be written to"):
+        run(plugins, Path("/proc/results"), ["calm"], ["alpha_blend"])
+
+
+def test_without_a_display_driver_a_run_does_not_begin(
+    plugins: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("__EGL_VENDOR_LIBRARY_FILENAMES", "/dev/null")
+    with pytest.raises(CapabilityError, match=r"no OpenGL 4\.5 context"):
+        run(plugins, tmp_path, ["calm"], ["alpha_blend"])

@@ -1,0 +1,196 @@
+"""Memory and traffic follow from declarations and measured counts alone."""
+
+from __future__ import annotations
+
+from collections import Counter
+
+import numpy as np
+import pytest
+
+from oitbench.gl.device import Device
+from oitbench.gl.draws.steps import PassRecord
+from oitbench.gl.frame import Frame
+from oitbench.measure import accounting
+from oitbench.measure.accounting import Term
+from oitbench.modeling.mesh import quad
+from oitbench.scene import WHITE, Camera, Material, Object, Scene
+from tests.helpers import collection, method, opened, random_lists, render, scene_of
+
+SIZE = (96, 70)
+PIXELS = 96 * 70
+TILES = 2 * 2
+BLENDING = {"blend", "write"}
+
+
+@pytest.fixture
+def planes() -> Scene:
+    """Four planes that fill the view: four fragments in every pixel."""
+    return collection().build_scene("layer_stack[count=4]")
+
+
+@pytest.fixture
+def half_hidden() -> Scene:
+    """Three panes of a pane's size; a wall hides the farthest, and half of the middle one."""
+    panes = [
+        Object(f"pane {z}", quad((0, 0, -z), (0.5, 0, 0), (0, 0.5, 0)), Material(coverage=0.5))
+        for z in (2.0, 4.0, 6.0)
+    ]
+    wall = Object("wall", quad((5, 0, -3), (5, 0, 0), (0, 9, 0)), Material(emission=WHITE))
+    behind = Object("back", quad((0, 0, -5), (9, 0, 0), (0, 9, 0)), Material(emission=WHITE))
+    return Scene("hidden", Camera((0, 0, 0), (0, 0, -1)), (*panes, wall, behind))
+
+
+def measured(frame: Frame) -> tuple[list[Term], list[PassRecord]]:
+    """Render, then measure one more frame, as cells do."""
+    frame.render()
+    records: list[PassRecord] = []
+    frame.issue(records)
+    return accounting.traffic(frame, records), records
+
+
+def total(terms: list[Term], pass_: str, *kinds: str) -> int:
+    return sum(t.bytes for t in terms if t.pass_ == pass_ and (not kinds or t.kind in kinds))
+
+
+@pytest.mark.parametrize(("node", "record"), [("compact", 12), ("precise", 32)])
+def test_an_a_buffer_takes_a_head_a_pixel_and_a_record_a_fragment(
+    device: Device, planes: Scene, node: str, record: int
+) -> None:
+    with opened(device, planes, f"a_buffer[node={node}]", SIZE) as frame:
+        facts = accounting.memory(frame)
+        assert facts["terms"] == [
+            {"resource": "heads", "bytes": 4 * PIXELS},
+            {"resource": "nodes", "bytes": record * 4 * PIXELS},
+            {"resource": "nodes allocator", "bytes": 8 * TILES},
+        ]
+        assert facts["bytes"] == sum(term["bytes"] for term in facts["terms"])
+
+
+@pytest.mark.parametrize(
+    ("name", "bits"),
+    [("weighted_blended", 72), ("alpha_blend", 0), ("sorted_over", 0), ("sorted_two_pass", 0)],
+)
+def test_memory_without_lists_is_so_many_bits_a_pixel(
+    device: Device, planes: Scene, name: str, bits: int
+) -> None:
+    with opened(device, planes, name, SIZE) as frame:
+        assert accounting.memory(frame)["bits_per_pixel"] == bits
+
+
+@pytest.mark.parametrize(
+    ("name", "size"),
+    [
+        ("alpha_blend", 16),
+        ("sorted_over", 16),
+        ("sorted_over[sort=object]", 16),
+        ("sorted_two_pass", 32),
+        ("sorted_two_pass[sort=triangle]", 32),
+        ("weighted_blended", 18),
+    ],
+)
+def test_blending_moves_so_many_bytes_a_fragment(
+    device: Device, planes: Scene, name: str, size: int
+) -> None:
+    with opened(device, planes, name, SIZE) as frame:
+        terms, records = measured(frame)
+        gathers = {item.name for item in frame.passes if item.draws.value == "fragments"}
+        moved = sum(total(terms, gather, *BLENDING) for gather in gathers)
+        assert moved == size * 4 * PIXELS
+        assert {r.name: r.fragments for r in records if r.name in gathers} == dict.fromkeys(
+            gathers, 4 * PIXELS
+        )
+
+
+def test_weighted_blending_reads_its_targets_once_in_the_end(device: Device, planes: Scene) -> None:
+    with opened(device, planes, "weighted_blended", SIZE) as frame:
+        terms, _ = measured(frame)
+        reads = {t.resource: t.bytes for t in terms if t.kind == "read"}
+        assert reads == {"accum": 8 * PIXELS, "reveal": PIXELS}
+        assert total(terms, "clear") == 9 * PIXELS
+        assert total(terms, "resolve", *BLENDING) == 16 * PIXELS
+
+
+@pytest.mark.parametrize(("node", "payload"), [("compact", 8), ("precise", 28)])
+def test_an_a_buffer_writes_and_reads_every_record_once(
+    device: Device, planes: Scene, node: str, payload: int
+) -> None:
+    with opened(device, planes, f"a_buffer[node={node}]", SIZE, counted=True) as frame:
+        terms, _ = measured(frame)
+        fragments = 4 * PIXELS
+        # A record, and the exchange of the head; the allocator is a term of its own.
+        assert total(terms, "capture", "write") == (4 + payload) * fragments
+        atomics = {t.resource: t.bytes for t in terms if t.kind == "atomic"}
+        assert atomics == {"heads.first": 8 * fragments, "nodes.allocator": 8 * fragments}
+        assert total(terms, "capture", "read") == 0
+        assert total(terms, "resolve_sorted", "read") == 4 * PIXELS + (4 + payload) * fragments
+        assert total(terms, "clear") == 4 * PIXELS
+
+
+def test_the_iterative_resolve_reads_the_square(device: Device) -> None:
+    scene = scene_of(random_lists(5))
+    name = "a_buffer[node=compact,resolve=iterative]"
+    with opened(device, scene, name, counted=True) as frame:
+        terms, _ = measured(frame)
+        heads, once, square = 4 * 256, 12 * 5 * 256, 12 * 5 * 5 * 256
+        # A last round walks along the links and finds nothing left to do.
+        last = (4 + 5 * 4) * 256
+        assert total(terms, "resolve_iterative", "read") == heads + once + square + last
+
+
+def test_measuring_twice_counts_one_frame(device: Device, planes: Scene) -> None:
+    with opened(device, planes, "a_buffer", SIZE, counted=True) as frame:
+        first, _ = measured(frame)
+        frame.render(permutation=1)
+        second, _ = measured(frame)
+        assert first == second
+
+
+@pytest.mark.parametrize(
+    "name", ["a_buffer", "a_buffer[resolve=iterative]", "a_buffer[node=compact]"]
+)
+def test_counting_changes_no_pixel(device: Device, name: str) -> None:
+    scene = scene_of(random_lists(9, tinted=True))
+    plain, counted = (render(device, scene, name, counted=on) for on in (False, True))
+    np.testing.assert_array_equal(plain, counted)
+
+
+@pytest.mark.parametrize(
+    "name", ["a_buffer", "alpha_blend", "sorted_over", "sorted_two_pass", "weighted_blended"]
+)
+def test_hidden_fragments_are_not_counted(device: Device, half_hidden: Scene, name: str) -> None:
+    with opened(device, half_hidden, name, (64, 64), counted=True) as frame:
+        terms, records = measured(frame)
+        counts = Counter(frame.complexity.ravel().tolist())
+        # The near pane is seen whole, the middle one by its left half.
+        assert set(counts) == {0, 1, 2}
+        visible = counts[1] + 2 * counts[2]
+        gathers = [r for r in records if r.name in {t.pass_ for t in terms} and r.fragments != 4096]
+        assert {r.fragments for r in gathers} == {visible}
+        seen = np.count_nonzero(render(device, half_hidden, "a_buffer", size=(64, 64))[..., 0] < 1)
+        assert seen == counts[1] + counts[2]
+        if name == "a_buffer":
+            assert sum(
+                t.items for t in terms if t.resource == "nodes.next" and t.kind == "write"
+            ) == (visible)
+
+
+def test_a_terms_bytes_are_items_times_size() -> None:
+    term = Term("gather", "accum", "blend", 100, 8)
+    assert term.bytes == 800
+    assert term.facts() == {
+        "pass": "gather",
+        "resource": "accum",
+        "kind": "blend",
+        "items": 100,
+        "bytes_per_item": 8,
+        "bytes": 800,
+    }
+
+
+def test_every_method_of_the_suite_can_be_accounted_for(device: Device, planes: Scene) -> None:
+    for name in collection().methods:
+        with opened(device, planes, method(name), (16, 16), counted=True) as frame:
+            terms, _ = measured(frame)
+            assert all(term.items > 0 and term.bytes_per_item > 0 for term in terms)
+            kinds = {term.kind for term in terms}
+            assert kinds <= {"clear", "read", "write", "blend", "atomic"}

@@ -1,0 +1,93 @@
+"""Medians, intervals and rounds; how long something takes is no matter of a test."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, cast
+
+import numpy as np
+import pytest
+
+from oitbench.gl.frame import Frame
+from oitbench.measure.timing import Timing, interval, measure
+
+
+class FakeFrame:
+    """Notes in `log` what is asked of it."""
+
+    def __init__(self, name: str, log: list[str]) -> None:
+        self.name, self.log, self.device, self.software = name, log, self, True
+
+    def sort(self, permutation: int | None) -> float:
+        assert permutation is None
+        return 0.25
+
+    def issue(self, check: bool = True) -> None:
+        assert not check
+        self.log.append(self.name)
+
+    def finish(self) -> None:
+        pass
+
+
+def rounds_of(names: str, log: Sequence[str]) -> list[tuple[str, ...]]:
+    return [tuple(log[i : i + len(names)]) for i in range(0, len(log), len(names))]
+
+
+def measured(names: str, rounds: int, budget: float, **more: Any) -> tuple[dict[str, Timing], Any]:
+    log: list[str] = []
+    frames = {name: cast(Frame, FakeFrame(name, log)) for name in names}
+    return measure(frames, rounds, budget, **more), rounds_of(names, log)
+
+
+def test_equal_samples_leave_no_doubt() -> None:
+    assert interval([3.0] * 5) == {"median": 3.0, "low": 3.0, "high": 3.0, "samples": [3.0] * 5}
+
+
+def test_one_sample_is_its_own_interval() -> None:
+    assert interval([7.5]) == {"median": 7.5, "low": 7.5, "high": 7.5, "samples": [7.5]}
+
+
+def test_the_interval_of_known_samples_holds_the_true_median() -> None:
+    samples = np.random.default_rng(5).normal(10.0, 1.0, 401).tolist()
+    found = interval(samples)
+    assert found["samples"] == samples
+    assert found["median"] == np.median(samples)
+    assert found["low"] < 10.0 < found["high"]
+    # 1.253 σ/√n is the standard error of a normal sample's median.
+    assert (found["high"] - found["low"]) / 2 == pytest.approx(1.96 * 1.253 / 401**0.5, rel=0.4)
+
+
+def test_an_outlier_moves_the_mean_but_not_the_median() -> None:
+    assert interval([1.0, 1.0, 1.0, 1.0, 900.0])["median"] == 1.0
+
+
+def test_the_interval_repeats_exactly() -> None:
+    samples = [1.0, 5.0, 2.0, 8.0, 3.0]
+    assert interval(samples, seed=3) == interval(samples, seed=3)
+
+
+def test_every_variant_is_timed_once_a_round_in_changing_order() -> None:
+    timings, rounds = measured("abcd", rounds=6, budget=60.0, warm_up=2)
+    assert len(rounds) == 8
+    assert all(sorted(one) == list("abcd") for one in rounds)
+    assert len(set(rounds)) > 1
+    assert {name: len(t.frame_ms) for name, t in timings.items()} == dict.fromkeys("abcd", 6)
+
+
+def test_the_order_of_rounds_follows_the_seed() -> None:
+    assert measured("abcd", 6, 60.0, seed=1)[1] == measured("abcd", 6, 60.0, seed=1)[1]
+    assert measured("abcd", 6, 60.0, seed=1)[1] != measured("abcd", 6, 60.0, seed=2)[1]
+
+
+def test_a_spent_budget_ends_after_three_rounds() -> None:
+    timings, rounds = measured("ab", rounds=50, budget=0.0, warm_up=1)
+    assert len(rounds) == 4
+    assert len(timings["a"].frame_ms) == 3
+
+
+def test_facts_keep_frame_and_sort_apart() -> None:
+    facts = Timing([2.0, 4.0, 9.0], [0.5, 0.25, 0.75]).facts()
+    assert facts["sort_ms"] == 0.5
+    assert facts["frame_ms"]["median"] == 4.0
+    assert facts["frame_ms"]["samples"] == [2.0, 4.0, 9.0]

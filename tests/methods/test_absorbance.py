@@ -1,0 +1,212 @@
+"""Opacity maps and Fourier maps against their own models, and the memory that papers print."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from oitbench.gl.device import Device
+from oitbench.measure import accounting
+from oitbench.measure.oracle import composite, transmittances
+from oitbench.scene import FragmentLists
+from tests.helpers import (
+    BACKGROUND,
+    NOTHING,
+    Array64,
+    Layer,
+    opened,
+    random_lists,
+    render,
+    scene_of,
+    stack,
+)
+from tests.models import absorbance as model
+
+MEMORIES = ("node=precise", "memory=fixed")
+CURVES = {
+    "opacity_map[slices=4": model.opacity_map(4),
+    "opacity_map[slices=16": model.opacity_map(16),
+    "opacity_map[slices=32": model.opacity_map(32),
+    "fourier_map[coefficients=7": model.fourier_map(7, False),
+    "fourier_map[coefficients=15": model.fourier_map(15, False),
+    "fourier_map[coefficients=31,lanczos=true": model.fourier_map(31, True),
+}
+DEFAULTS = ("opacity_map[slices=16", "fourier_map[coefficients=15")
+PIXELS_720P = 1280 * 720
+MIB = 2**20
+
+
+def expected(drawn: FragmentLists, curve: str, tinted: bool) -> Array64:
+    factors = transmittances(drawn)
+    return model.composite(
+        drawn.z.astype(np.float64),
+        drawn.coverage[..., None].astype(np.float64) * drawn.radiance,
+        factors if tinted else factors.mean(axis=-1, keepdims=True),
+        BACKGROUND,
+        CURVES[curve],
+    )
+
+
+@settings(max_examples=16, deadline=None, derandomize=True)
+@given(
+    seed=st.integers(0, 2**32 - 1),
+    layers=st.integers(1, 20),
+    curve=st.sampled_from(sorted(CURVES)),
+    channels=st.sampled_from(["grey", "rgb"]),
+    memory=st.sampled_from(MEMORIES),
+)
+def test_pictures_follow_the_model(
+    device: Device, seed: int, layers: int, curve: str, channels: str, memory: str
+) -> None:
+    random = np.random.default_rng(seed)
+    drawn = random_lists(layers, tinted=True, seed=seed, side=8)
+    # Anywhere, so that no layer is a rounding error away from a slice; some clear, some opaque.
+    drawn.z[:] = random.uniform(1, 9, drawn.z.shape)
+    drawn.coverage[random.random(drawn.z.shape) < 0.1] = 0.0
+    opaque = random.random(drawn.z.shape) < 0.05
+    drawn.coverage[opaque], drawn.transmission[opaque] = 1.0, 0.0
+    found = render(device, drawn, f"{curve},channels={channels},{memory}]")
+    truth = expected(drawn, curve, channels == "rgb")
+    # Relative depths are 2^-22 off; 31 coefficients of absorbance up to 12 a layer make it more.
+    np.testing.assert_allclose(found, truth, rtol=2e-5, atol=2e-5)
+
+
+@pytest.mark.parametrize("curve", CURVES)
+@pytest.mark.parametrize("memory", MEMORIES)
+def test_total_transmittance_is_exact(device: Device, curve: str, memory: str) -> None:
+    drawn = random_lists(30, side=4)
+    black = np.zeros_like(drawn.radiance)
+    drawn = replace(drawn, coverage=drawn.coverage / np.float32(20), radiance=black)
+    found = render(device, drawn, f"{curve},{memory}]")
+    np.testing.assert_allclose(found, composite(drawn, BACKGROUND), rtol=0, atol=1e-6)
+
+
+@pytest.mark.parametrize("curve", CURVES)
+@pytest.mark.parametrize("memory", MEMORIES)
+def test_visibility_is_a_fraction_and_falls_in_opacity_maps(
+    device: Device, curve: str, memory: str
+) -> None:
+    side = 64
+    dark = [
+        Layer(z, o, NOTHING) for z, o in ((2, 0.9), (2.1, 0.5), (3.7, 0.95), (4.5, 0.2), (6, 0.3))
+    ]
+    probe = Layer(1.0, 1.0, (1.0, 1.0, 1.0), (1.0, 1.0, 1.0))
+    drawn = stack([probe, *dark], side)
+    drawn.z[0] = np.linspace(1.0, 7.0, side, dtype=np.float32)[:, None]
+    found = render(device, scene_of(drawn, NOTHING), f"{curve},{memory}]")[:, 0, 0]
+    assert ((found >= 0) & (found <= 1)).all()
+    assert found[0] == 1.0
+    assert found[-1] == pytest.approx(0.1 * 0.5 * 0.05 * 0.8 * 0.7, rel=1e-4)
+    if curve.startswith("opacity_map"):
+        assert (np.diff(found) <= 0).all()
+
+
+@pytest.mark.parametrize("curve", DEFAULTS)
+@pytest.mark.parametrize("memory", MEMORIES)
+def test_what_absorbs_nothing_sets_no_bounds(device: Device, curve: str, memory: str) -> None:
+    dark = [Layer(3.0, 0.5, (0.2, 0.4, 0.6)), Layer(4.0, 0.3, (0.9, 0.1, 0.5))]
+    clear = [Layer(0.5, 0.0), Layer(300.0, 0.0)]
+    name = f"{curve},{memory}]"
+    alone = render(device, stack(dark, 2), name)
+    np.testing.assert_array_equal(render(device, stack([*clear, *dark], 2), name), alone)
+    # A clear layer that shines is seen through all of what is in front of it, and no more.
+    shining = Layer(300.0, 1.0, (1.0, 1.0, 1.0), (1.0, 1.0, 1.0))
+    added = render(device, stack([shining, dark[0]], 2), name) - render(
+        device, stack([dark[0]], 2), name
+    )
+    np.testing.assert_allclose(added, 0.5, atol=1e-6)
+
+
+@pytest.mark.parametrize("curve", DEFAULTS)
+def test_both_memories_give_one_picture(device: Device, curve: str) -> None:
+    drawn = random_lists(40, tinted=True, side=8)
+    pictures = [render(device, drawn, f"{curve},channels=rgb,{m}]") for m in MEMORIES]
+    np.testing.assert_allclose(pictures[0], pictures[1], rtol=0, atol=1e-5)
+
+
+def test_lanczos_rings_less(device: Device) -> None:
+    side = 64
+    drawn = stack(
+        [
+            Layer(1.0, 1.0, (1.0, 1.0, 1.0), (1.0, 1.0, 1.0)),
+            *[Layer(z, 0.99, NOTHING) for z in (2.0, 4.0, 6.0)],
+        ],
+        side,
+    )
+    drawn.z[0] = np.linspace(2.0, 6.0, side, dtype=np.float32)[:, None]
+    rises = []
+    for lanczos in ("false", "true"):
+        name = f"fourier_map[lanczos={lanczos},node=precise]"
+        shown = -np.log(render(device, scene_of(drawn, NOTHING), name)[:, 0, 0])
+        rises.append(float(np.maximum(-np.diff(shown), 0).sum()))
+    assert rises[1] < rises[0] / 2, rises
+
+
+@pytest.mark.parametrize(
+    ("name", "mebibytes"),
+    [
+        ("opacity_map[memory=fixed]", 63.3),
+        ("fourier_map[memory=fixed]", 63.3),
+        ("opacity_map[memory=fixed,msaa=4]", 253.1),
+        ("fourier_map[memory=fixed,msaa=4]", 253.1),
+    ],
+)
+def test_maps_take_the_memory_that_the_paper_prints(
+    device: Device, name: str, mebibytes: float
+) -> None:
+    with opened(device, scene_of(random_lists(1)), name) as frame:
+        bits = accounting.memory(frame)["bits_per_pixel"]
+    assert round(bits / 8 * PIXELS_720P / MIB, 1) == mebibytes
+
+
+def variable_bytes(device: Device, name: str) -> tuple[float, float]:
+    """Return bytes a pixel and bytes a fragment, from lists of two lengths."""
+    totals = []
+    for layers in (1, 3):
+        with opened(device, scene_of(random_lists(layers)), name) as frame:
+            facts = accounting.memory(frame)
+            totals.append(
+                sum(t["bytes"] for t in facts["terms"] if "allocator" not in t["resource"])
+            )
+    pixels = 16 * 16
+    record = (totals[1] - totals[0]) / (2 * pixels)
+    return totals[0] / pixels - record, record
+
+
+@pytest.mark.parametrize(
+    "name", ["a_buffer[node=compact]", "adaptive", "opacity_map", "fourier_map"]
+)
+@pytest.mark.parametrize(
+    ("millions", "printed", "heads"),
+    [
+        (10.6, 125.4, True),
+        (15.0, 174.6, True),
+        (6.0, 72.6, True),
+        # The paper leaves the heads of this scene out.
+        (2.69, 30.8, False),
+        (3.47, 39.7, False),
+    ],
+)
+def test_lists_take_the_memory_that_the_paper_prints(
+    device: Device, name: str, millions: float, printed: float, heads: bool
+) -> None:
+    pixel, record = variable_bytes(device, name)
+    assert (pixel, record) == (4, 12)
+    # Fragment counts are printed to so many digits.
+    half_digit = 0.5 * 10.0 ** -(2 if millions < 6 else 1)
+    base = pixel * PIXELS_720P * heads
+    low, high = ((base + record * (millions + sign * half_digit) * 1e6) / MIB for sign in (-1, 1))
+    assert low - 0.05 <= printed <= high + 0.05
+    if not heads:
+        assert printed < (pixel * PIXELS_720P + record * (millions - half_digit) * 1e6) / MIB - 3
+
+
+@pytest.mark.parametrize(
+    ("name", "record"), [("adaptive[channels=rgb]", 16), ("opacity_map[node=precise]", 32)]
+)
+def test_colored_and_precise_records_take_more(device: Device, name: str, record: int) -> None:
+    assert variable_bytes(device, name) == (4, record)

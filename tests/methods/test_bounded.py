@@ -1,0 +1,290 @@
+"""Methods with k nodes a pixel: their models, both ways of blending, and what they lose."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from oitbench.errors import CapabilityError
+from oitbench.gl.device import Device
+from oitbench.measure import accounting
+from oitbench.measure.oracle import composite, transmittances
+from oitbench.method.kits.bounded_nodes import STEPS
+from oitbench.scene import FragmentLists
+from tests.helpers import (
+    BACKGROUND,
+    BLUE,
+    GREEN,
+    NOTHING,
+    RED,
+    WHITE,
+    Array64,
+    Layer,
+    method,
+    opened,
+    random_lists,
+    render,
+    rounding,
+    scene_of,
+    stack,
+    tolerance,
+)
+from tests.methods.test_identities import IDENTITIES
+from tests.models import bounded as model
+
+Model = Callable[[FragmentLists, npt.ArrayLike, int, str], Array64]
+MODELS: dict[str, Model] = {
+    "k_buffer": model.k_buffer,
+    "multilayer_alpha": model.multilayer_alpha,
+    "hybrid": model.hybrid,
+}
+MOST = {"8-bit": 16, "16f": 8, "32f": 4}
+"""Nodes of each format that fit into eight targets."""
+VARIANTS = [
+    f"{name}[k={k},node={node}]"
+    for name in MODELS
+    for node, most in MOST.items()
+    for k in (1, 2, 4, 8, 16)
+    if k <= most
+    if name == "k_buffer" or k > 1
+    if name != "hybrid" or (k < 16 and node != "32f")
+]
+LOCK, FILL_COUNT = 32, 32
+"""Bits a pixel of the spin lock, and of the count of nodes that published k+-buffers keep."""
+
+
+@dataclass(frozen=True)
+class Shown:
+    """Lists that a failing test tells of in few words."""
+
+    lists: FragmentLists
+
+    def __repr__(self) -> str:
+        return f"{len(self.lists.z)} layers"
+
+
+def mixed(count: int, seed: int, tinted: bool, ties: bool, gaps: bool) -> FragmentLists:
+    """Return lists whose order differs from pixel to pixel, some with ties, some with gaps."""
+    lists = random_lists(count, tinted=tinted, seed=seed)
+    random = np.random.default_rng(seed)
+    z = random.permuted(lists.z, axis=0)
+    shown = random.random(z.shape) < (0.7 if gaps else 1.0)
+    coverage = np.where(shown, lists.coverage, 0).astype(np.float32)
+    return replace(lists, z=np.ceil(z) if ties else z, coverage=coverage)
+
+
+drawn = st.builds(
+    mixed,
+    count=st.integers(1, 20),
+    seed=st.integers(0, 2**32 - 1),
+    tinted=st.booleans(),
+    ties=st.booleans(),
+    gaps=st.booleans(),
+).map(Shown)
+
+
+@settings(max_examples=40, deadline=None, derandomize=True)
+@given(shown=drawn, variant=st.sampled_from(VARIANTS))
+def test_the_picture_is_the_models(device: Device, shown: Shown, variant: str) -> None:
+    chosen = method(variant)
+    k, node = int(chosen.values["k"]), chosen.text("node")
+    expected = MODELS[chosen.name](shown.lists, BACKGROUND, k, node)
+    error = abs(render(device, shown.lists, variant) - expected)
+    # Half floats round the background, its product and the sum. Where single precision meets the
+    # middle of two steps of a node, it may take the other one.
+    allowed = 2e-6 if node == "32f" else 3 * 2.0**-11
+    assert (error <= allowed).mean() > 0.99
+    assert error.max() <= allowed + 2 * STEPS[node]
+
+
+@pytest.mark.parametrize("variant", VARIANTS)
+def test_a_spin_lock_gives_the_same_picture(device: Device, variant: str) -> None:
+    lists = random_lists(20, tinted=True)
+    fetched = render(device, lists, variant, mechanism="framebuffer fetch")
+    locked = render(device, lists, variant, mechanism="spin lock")
+    np.testing.assert_array_equal(locked, fetched)
+
+
+@pytest.mark.parametrize("variant", VARIANTS)
+def test_up_to_k_layers_are_exact_in_any_order(device: Device, variant: str) -> None:
+    chosen = method(variant)
+    count = int(chosen.values["k"])
+    lists = random_lists(count)
+    first = render(device, lists, variant)
+    assert abs(first - composite(lists, BACKGROUND)).max() <= tolerance(chosen, count, 1.0)
+    for seed in range(3):
+        np.testing.assert_array_equal(render(device, lists, variant, permutation=seed), first)
+
+
+@pytest.mark.parametrize("variant", ["k_buffer[k=4]", "k_buffer[k=8,node=16f]"])
+def test_a_k_buffer_shows_the_nearest_whatever_the_order(device: Device, variant: str) -> None:
+    chosen, lists = method(variant), random_lists(30)
+    k = int(chosen.values["k"])
+    rank = lists.z.argsort(axis=0).argsort(axis=0)
+    nearest = replace(lists, coverage=np.where(rank < k, lists.coverage, 0))
+    first = render(device, lists, variant)
+    expected = composite(nearest, BACKGROUND)
+    assert abs(first - expected).max() <= tolerance(chosen, k, 1.0)
+    assert abs(expected - composite(lists, BACKGROUND)).max() > 0.01
+    for seed in range(5):
+        np.testing.assert_array_equal(render(device, lists, variant, permutation=seed), first)
+
+
+@pytest.mark.parametrize("variant", ["hybrid", "hybrid[k=2,node=16f]"])
+def test_the_order_of_draws_moves_a_tail_by_rounding_alone(device: Device, variant: str) -> None:
+    lists = random_lists(30)
+    pictures = [render(device, lists, variant, permutation=seed) for seed in range(5)]
+    assert np.ptp(pictures, axis=0).max() <= rounding(method(variant), 30, 0.1)
+
+
+@pytest.mark.parametrize("identity", IDENTITIES)
+@pytest.mark.parametrize(
+    "variant",
+    [
+        "k_buffer[k=1]",
+        "k_buffer[k=2,node=16f]",
+        "k_buffer[k=4,node=32f]",
+        "multilayer_alpha[k=2]",
+        "multilayer_alpha[k=2,node=16f]",
+        "hybrid[k=2]",
+        "hybrid[k=2,node=16f]",
+    ],
+)
+def test_few_nodes_keep_their_promises(device: Device, variant: str, identity: str) -> None:
+    if identity in method(variant).holds:
+        IDENTITIES[identity](device, method(variant))
+
+
+def spread(device: Device, lists: FragmentLists, variant: str) -> float:
+    pictures = [render(device, lists, variant, permutation=seed) for seed in range(8)]
+    return float(np.ptp(pictures, axis=0).mean())
+
+
+def test_merging_depends_on_the_order_of_draws_less_with_more_nodes(device: Device) -> None:
+    lists = random_lists(24)
+    found = [spread(device, lists, f"multilayer_alpha[k={k},node=8-bit]") for k in (2, 4, 8, 16)]
+    assert found == sorted(found, reverse=True)
+    assert found[0] > 0.05
+    assert found[-1] < 0.01
+
+
+@pytest.mark.parametrize(("node", "allowed"), [("32f", 1e-6), ("16f", 2e-3), ("8-bit", 8e-3)])
+def test_a_late_arrival_is_behind_what_it_should_hide(
+    device: Device, node: str, allowed: float
+) -> None:
+    variant = f"multilayer_alpha[k=2,node={node}]"
+    early = [Layer(1, 0.1, RED), Layer(3, 0.1, RED)]
+    green, blue = Layer(4, 0.9, GREEN), Layer(5, 0.9, BLUE)
+    wrong, right = (0.19, 0.073, 0.729), (0.19, 0.729, 0.073)
+    for layers, expected in (
+        ([*early, blue, green], wrong),
+        ([*early, green, blue], right),
+        ([blue, green, *early[::-1]], right),
+    ):
+        found = render(device, scene_of(stack(layers), NOTHING), variant)[0, 0]
+        assert found == pytest.approx(expected, abs=allowed + 5e-4)
+
+
+def test_an_opaque_layer_may_leak_what_was_merged_before_it(device: Device) -> None:
+    layers = [
+        Layer(1.0, 0.5, NOTHING),
+        Layer(10.0, 0.5, WHITE),
+        Layer(2.0, 0.5, NOTHING),
+        Layer(5.0, 1.0, NOTHING),
+    ]
+    scene = scene_of(stack(layers), NOTHING)
+    assert "U5" not in method("multilayer_alpha").holds
+    leak = render(device, scene, "multilayer_alpha[k=2,node=32f]")[0, 0]
+    assert leak == pytest.approx([0.125] * 3, abs=1e-6)
+    for variant in ("multilayer_alpha", "k_buffer[k=2]", "hybrid[k=4]", "k_buffer[k=4,node=16f]"):
+        assert not render(device, scene, variant).any()
+
+
+@pytest.mark.parametrize("k", [2, 4])
+def test_the_total_transmittance_of_merged_layers_is_exact(device: Device, k: int) -> None:
+    lists = random_lists(40)
+    lists = replace(lists, coverage=lists.coverage * np.float32(0.2))
+    found = []
+    with opened(device, scene_of(lists, WHITE), f"multilayer_alpha[k={k},node=32f]") as frame:
+        for seed in (None, 1, 2):
+            frame.render(transmittance=True, permutation=seed)
+            found.append(frame.image())
+    expected = transmittances(lists).prod(axis=0)
+    for picture in found:
+        np.testing.assert_allclose(picture, expected, rtol=0, atol=2e-6)
+
+
+@pytest.mark.parametrize("k", [2, 4])
+def test_merging_keeps_furnaces_white_and_copies_alike(device: Device, k: int) -> None:
+    variant = f"multilayer_alpha[k={k},node=32f]"
+    lists = random_lists(20)
+    white = replace(lists, radiance=np.ones_like(lists.radiance))
+    np.testing.assert_allclose(render(device, scene_of(white, WHITE), variant), 1, atol=2e-6)
+    copies = render(device, scene_of(stack([Layer(3.0, 0.1, RED)] * 20), NOTHING), variant)
+    assert copies[0, 0] == pytest.approx([1 - 0.9**20, 0, 0], abs=2e-6)
+
+
+@pytest.mark.parametrize("far_first", [True, False])
+@pytest.mark.parametrize(
+    ("node", "total"), [("8-bit", (0.49, 0.49)), ("16f", (0.547, 0.549)), ("32f", (0.548, 0.5484))]
+)
+def test_merging_two_hundred_thin_layers_wears_bytes_out(
+    device: Device, node: str, total: tuple[float, float], far_first: bool
+) -> None:
+    layers = [Layer(float(z), 0.003, NOTHING) for z in np.linspace(2, 9, 200)]
+    lists = stack(layers[::-1] if far_first else layers, side=4)
+    variant = f"multilayer_alpha[k=4,node={node}]"
+    found = render(device, scene_of(lists, WHITE), variant)[0, 0, 0]
+    assert found == pytest.approx(
+        model.multilayer_alpha(lists, WHITE, 4, node)[0, 0, 0], abs=2.0**-10
+    )
+    assert total[0] - 5e-3 <= found <= total[1] + 5e-3
+
+
+def test_bytes_lose_layers_below_half_a_step(device: Device) -> None:
+    thin = stack([Layer(2.0, 0.9 / 510, WHITE)])
+    for name in MODELS:
+        assert not render(device, scene_of(thin, NOTHING), f"{name}[k=4,node=8-bit]").any()
+        assert render(device, scene_of(thin, NOTHING), f"{name}[k=4,node=16f]").all()
+
+
+def test_a_tail_transmits_too_much(device: Device) -> None:
+    layers = [Layer(1.0, 0.5, NOTHING), Layer(2.0, 0.5, NOTHING)]
+    tail = [Layer(3.0, 0.8, NOTHING), Layer(4.0, 0.2, NOTHING)]
+    found = render(device, scene_of(stack([*tail, *layers]), WHITE), "hybrid[k=2,node=16f]")[0, 0]
+    assert found == pytest.approx([0.25 * 0.5**2] * 3, abs=1e-3)
+    assert found[0] > 0.25 * 0.2 * 0.8 + 0.02
+
+
+def bits(device: Device, variant: str, mechanism: str) -> float:
+    with opened(device, scene_of(random_lists(1)), variant, mechanism=mechanism) as frame:
+        return float(accounting.memory(frame)["bits_per_pixel"])
+
+
+@pytest.mark.parametrize("variant", VARIANTS)
+def test_memory_is_a_depth_and_a_color_a_node(device: Device, variant: str) -> None:
+    chosen = method(variant)
+    color = {"8-bit": 32, "16f": 64, "32f": 128}[chosen.text("node")]
+    tail = 64 + 16 if chosen.name == "hybrid" else 0
+    expected = int(chosen.values["k"]) * (32 + color) + tail
+    assert bits(device, variant, "framebuffer fetch") == expected
+    assert bits(device, variant, "spin lock") == expected + LOCK
+
+
+def test_published_bits_a_pixel(device: Device) -> None:
+    # McGuire & Mara 2017, section 8.1: 256 for multi-layer alpha, 128 to 320 for the k+-buffer.
+    assert bits(device, "multilayer_alpha[k=4]", "framebuffer fetch") == 256
+    published = [bits(device, f"k_buffer[k={k}]", "spin lock") + FILL_COUNT for k in (1, 4)]
+    assert published == [128, 320]
+
+
+def test_more_nodes_than_targets_are_refused(device: Device) -> None:
+    refused = pytest.raises(CapabilityError, match=r"insert\.glsl writes 12 targets; .* allows 8")
+    with refused, opened(device, scene_of(random_lists(1)), "k_buffer[k=16,node=16f]"):
+        pass

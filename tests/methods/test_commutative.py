@@ -1,0 +1,178 @@
+"""Sums, means and weighted means of all layers against their formulas, and what precision does."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from oitbench.gl.device import Device
+from oitbench.gl.frame import Image
+from oitbench.measure import accounting
+from oitbench.measure.oracle import composite
+from oitbench.modeling.mesh import quad
+from oitbench.scene import Camera, FragmentLists, Material, Object, Scene
+from tests.helpers import (
+    BACKGROUND,
+    BLUE,
+    GREEN,
+    NOTHING,
+    RED,
+    WHITE,
+    Array64,
+    Layer,
+    method,
+    opened,
+    random_lists,
+    render,
+    scene_of,
+    stack,
+)
+from tests.models import commutative as model
+
+STEP = {"paper": 2.0**-10, "half": 2.0**-10, "float": 2.0**-22}
+"""Twice the largest relative error of one number, which drivers may truncate."""
+lists_drawn = st.builds(
+    random_lists, st.integers(1, 16), tinted=st.booleans(), seed=st.integers(0, 2**32 - 1)
+)
+precisions = st.sampled_from(["half", "float"])
+drawn = settings(max_examples=12, deadline=None, derandomize=True)
+
+
+def close(found: Image, expected: Array64, allowed: float | Array64) -> None:
+    assert (abs(found - expected) <= allowed).all(), abs(found - expected).max()
+
+
+@drawn
+@given(lists=lists_drawn, clamp=st.booleans(), precision=precisions)
+def test_weighted_sum_is_its_formula(
+    device: Device, lists: FragmentLists, clamp: bool, precision: str
+) -> None:
+    name = f"weighted_sum[clamp={str(clamp).lower()},precision={precision}]"
+    expected = model.weighted_sum(lists, BACKGROUND, clamp)
+    # A sum's steps grow with it: n steps of what is at most n, and one of the background's weight.
+    count = len(lists.z)
+    close(render(device, lists, name), expected, STEP[precision] * (count + 2) * (count + 1))
+
+
+@drawn
+@given(lists=lists_drawn, count=st.sampled_from(["r16f", "r32f"]), precision=precisions)
+def test_weighted_average_is_its_formula(
+    device: Device, lists: FragmentLists, count: str, precision: str
+) -> None:
+    name = f"weighted_average[count={count},precision={precision}]"
+    expected = model.weighted_average(lists, BACKGROUND)
+    number, relative = len(lists.z), STEP[precision]
+    total = model.layers_of(lists)[1].sum(axis=0)
+    # A quotient of sums; and n layers that each pass 1 - o, with o off by n steps of o n, over n.
+    passed = number * (1 - total / number) ** (number - 1) * total * relative
+    arithmetic = number * 2.0**-18
+    close(
+        render(device, lists, name),
+        expected,
+        (2 * number + 2) * relative + passed[..., None] + arithmetic,
+    )
+
+
+@drawn
+@given(
+    lists=lists_drawn,
+    equation=st.sampled_from([7, 8, 9, 10]),
+    precision=st.sampled_from(["paper", "half", "float"]),
+)
+def test_weighted_blending_is_its_formula(
+    device: Device, lists: FragmentLists, equation: int, precision: str
+) -> None:
+    name = f"weighted_blended[weight={equation},precision={precision}]"
+    expected = model.weighted_blended(lists, BACKGROUND, equation)
+    number, relative = len(lists.z), STEP[precision]
+    reveal = 1 / 255 if precision == "paper" else relative
+    allowed = (2 * number + 2) * relative + number * reveal + 1e-5
+    close(render(device, lists, name), expected, allowed)
+
+
+def test_weighted_sums_of_opaque_layers_turn_the_background_negative(device: Device) -> None:
+    lists = scene_of(stack([Layer(1.0, 1.0, NOTHING), Layer(2.0, 0.5, NOTHING)]), WHITE)
+    assert render(device, lists, "weighted_sum")[0, 0] == pytest.approx([-0.5] * 3)
+    assert render(device, lists, "weighted_sum[clamp=true]")[0, 0] == pytest.approx([0.0] * 3)
+
+
+@pytest.mark.parametrize("name", ["weighted_sum", "weighted_average"])
+def test_methods_without_depth_cannot_tell_near_from_far(device: Device, name: str) -> None:
+    near, far = Layer(2.0, 0.5, RED), Layer(4.0, 0.3, BLUE)
+    swapped = [Layer(4.0, 0.5, RED), Layer(2.0, 0.3, BLUE)]
+    before, after = (render(device, stack(layers), name) for layers in ([near, far], swapped))
+    np.testing.assert_array_equal(before, after)
+    assert "U9" not in method(name).holds
+
+
+def test_a_mean_opacity_never_hides_more_than_the_product(device: Device) -> None:
+    lists = random_lists(8)
+    black = FragmentLists(
+        lists.z, lists.coverage, np.zeros_like(lists.radiance), lists.transmission
+    )
+    found = render(device, scene_of(black, WHITE), "weighted_average[precision=float]")
+    exact = composite(black, WHITE)
+    assert (found >= exact - 1e-6).all()
+    assert (found > 1.05 * exact).mean() > 0.9
+
+
+@pytest.mark.parametrize("name", ["weighted_sum", "weighted_average"])
+def test_a_highlight_on_clear_glass_stays(device: Device, name: str) -> None:
+    clear = [Layer(2.0, 1.0, (0.5, 0.25, 2.0), WHITE), Layer(3.0, 1.0, NOTHING, WHITE)]
+    found = render(device, scene_of(stack(clear), GREEN), name)
+    assert found[0, 0] == pytest.approx([0.5, 1.25, 2.0])
+
+
+def test_clear_layers_do_not_thin_out_the_mean(device: Device) -> None:
+    some = [Layer(2.0, 0.5, RED), Layer(4.0, 0.5, GREEN)]
+    glass = [Layer(z, 1.0, NOTHING, WHITE) for z in (1.0, 3.0, 5.0)]
+    found = render(device, stack([*some, *glass]), "weighted_average")
+    np.testing.assert_array_equal(found, render(device, stack(some), "weighted_average"))
+
+
+@pytest.mark.parametrize(
+    ("name", "bits"),
+    [
+        ("weighted_sum", 64),
+        ("weighted_sum[precision=float]", 128),
+        ("weighted_average", 80),
+        ("weighted_average[count=r32f]", 96),
+        ("weighted_average[count=r32f,precision=float]", 160),
+        ("weighted_blended", 72),
+        ("weighted_blended[precision=half]", 80),
+        ("weighted_blended[precision=float]", 160),
+        ("weighted_blended[msaa=4]", 288),
+        ("alpha_blend[precision=float]", 0),
+        ("depth_peeling", 8 * 40),
+        ("depth_peeling[precision=float]", 8 * 72),
+    ],
+)
+def test_memory_follows_from_the_formats(device: Device, name: str, bits: int) -> None:
+    with opened(device, scene_of(random_lists(1)), name) as frame:
+        assert accounting.memory(frame)["bits_per_pixel"] == bits
+
+
+def test_several_samples_average_what_each_pixel_covers(device: Device) -> None:
+    half = quad((0, 0, -4), (0.9, 0.3, 0), (-0.3, 0.9, 0))
+    pane = Object("pane", half, Material(0.5, emission=RED))
+    scene = Scene("edges", Camera((0, 0, 0), (0, 0, -1)), (pane,), background=BLUE)
+    smooth = render(device, scene, "weighted_blended", size=(256, 256))
+    smooth = smooth.reshape(64, 4, 64, 4, 3).mean(axis=(1, 3))
+    one, four = (
+        abs(render(device, scene, f"weighted_blended[msaa={n}]", size=(64, 64)) - smooth)
+        for n in (1, 4)
+    )
+    assert four.mean() < 0.6 * one.mean()
+    # A sample of four stands for four of the sixteen.
+    assert four.max() <= 0.5 * 3 / 16 + 0.01
+
+
+@pytest.mark.parametrize("equation", [7, 10])
+def test_several_samples_of_whole_pixels_are_one(device: Device, equation: int) -> None:
+    lists = random_lists(5)
+    one, four = (
+        render(device, lists, f"weighted_blended[weight={equation},msaa={n}]") for n in (1, 4)
+    )
+    np.testing.assert_array_equal(one, four)

@@ -1,0 +1,336 @@
+"""Fog marched in one pass over the screen: what planes would add, and closed forms."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from oitbench.effects import Effect
+from oitbench.gl.device import Device
+from oitbench.gl.draws.steps import PassRecord
+from oitbench.gl.frame import Frame
+from oitbench.measure.accounting import traffic
+from oitbench.modeling.mesh import quad
+from oitbench.scene import (
+    RGB,
+    WHITE,
+    Camera,
+    DirectionalLight,
+    EnvironmentLight,
+    Light,
+    Material,
+    Medium,
+    Object,
+    Scene,
+    SpotLight,
+    sample_density,
+)
+from tests.helpers import BACKGROUND, opened, render
+from tests.models import fog as model
+from tests.models import phenomenological
+
+Array64 = model.Array64
+SIZE = (20, 14)
+STEPS = 8
+CAMERA = Camera((0, 0, 0), (0, 0, -1), fov_y=math.radians(40))
+FAR_CAMERA = Camera((0, 0, 0), (0, 0, -1), fov_y=math.radians(0.5))
+FLOAT = f"phenomenological[precision=float,steps={STEPS}]"
+LOW, HIGH = (-5.0, -5.0, -3.5), (5.0, 5.0, -0.8)
+FOG = Medium(0.7, LOW, HIGH, albedo=(0.9, 0.7, 0.5), anisotropy=0.6)
+AMBIENT: RGB = (0.4, 0.3, 0.2)
+SUN = DirectionalLight((1.0, -1.0, 1.5), (3.0, 2.0, 1.0))
+LAMP = SpotLight((0.6, 0.8, -1.6), (-0.3, -0.5, -2.6), (2.0, 3.0, 4.0), math.radians(70))
+RAMP = sample_density(lambda p: 0.5 + 0.1 * p[..., 0] - 0.15 * p[..., 2], LOW, HIGH, (5, 4, 3))
+
+
+def wall(z: float = 3.0, color: RGB = BACKGROUND) -> Object:
+    """Return a wall across the view that shines."""
+    return Object("wall", quad((0, 0, -z), (9, 0, 0), (0, 9, 0)), Material(emission=color))
+
+
+def foggy(
+    medium: Medium | None = FOG,
+    lights: tuple[Light, ...] = (),
+    objects: tuple[Object, ...] = (),
+    camera: Camera = CAMERA,
+) -> Scene:
+    """Return a scene of fog before a wall, whose light throws no shadows."""
+    objects = (replace(wall(), casts=False), *objects)
+    return Scene("fog", camera, objects, lights=lights, medium=medium)
+
+
+def targets(device: Device, scene: Scene, name: str = FLOAT, **options: Any) -> tuple[Any, Any]:
+    """Return what was gathered: sums, and products with variances."""
+    with opened(device, scene, name, SIZE, **options) as frame:
+        frame.render()
+        return frame.read("accum"), frame.read("beta")
+
+
+def sums(slices: model.Slices) -> tuple[Array64, Array64]:
+    """Return the sum of weighted layers (h, w, 4) and the transmittance (h, w)."""
+    depth = 1 - CAMERA.near / slices.z
+    weight = phenomenological.depth_weight(slices.coverage, depth) * slices.coverage
+    light = np.concatenate([slices.radiance, np.ones((*slices.z.shape, 1))], axis=-1)
+    return (weight[..., None] * light).sum(axis=0), (1 - slices.coverage).prod(axis=0)
+
+
+def passed(scene: Scene) -> Array64:
+    """Return the transmittance of the fog of `scene`, in closed form for a constant density."""
+    assert scene.medium is not None
+    (only,) = model.march(scene.camera, scene.medium, SIZE, 1, behind=3.0).coverage
+    return np.asarray(1 - only)
+
+
+@pytest.mark.parametrize("g", [-0.7, 0.0, 0.3, 0.9])
+def test_the_phase_function_scatters_all_light(g: float) -> None:
+    cosine, weight = np.polynomial.legendre.leggauss(200)
+    total = 2 * np.pi * (weight * model.phase(cosine, g)).sum()
+    assert total == pytest.approx(1, abs=1e-9)
+    mean = 2 * np.pi * (weight * cosine * model.phase(cosine, g)).sum()
+    assert mean == pytest.approx(g, abs=1e-9)
+
+
+@pytest.mark.parametrize(("beams", "bound"), [((), 1e-7), ((SUN,), 1e-7), ((LAMP,), 2e-6)])
+def test_the_march_equals_its_model(
+    device: Device, beams: tuple[DirectionalLight | SpotLight, ...], bound: float
+) -> None:
+    """Drivers know an arc cosine to about 1e-4 radians: the rim of a cone is as soft as that."""
+    medium = replace(FOG, density=RAMP)
+    scene = foggy(medium, (*beams, EnvironmentLight(AMBIENT)))
+    accum, beta = targets(device, scene)
+    expected = model.march(CAMERA, medium, SIZE, STEPS, 3.0, beams, AMBIENT)
+    total, left = sums(expected)
+    np.testing.assert_allclose(accum, total, rtol=2e-5, atol=bound)
+    np.testing.assert_allclose(beta[..., :3], np.repeat(left[..., None], 3, -1), atol=2e-6)
+
+
+def test_fog_equals_a_plane_for_each_step(device: Device) -> None:
+    medium = replace(FOG, density=RAMP)
+    lights = (LAMP, EnvironmentLight(AMBIENT))
+    found = render(device, foggy(medium, lights), FLOAT, size=SIZE)
+    slices = model.march(CAMERA, medium, SIZE, STEPS, 3.0, (LAMP,), AMBIENT)
+    planes = Scene("planes", CAMERA, lists=slices.lists(), background=BACKGROUND)
+    assert found.std(axis=(0, 1)).min() > 0.01
+    np.testing.assert_allclose(found, render(device, planes, FLOAT), atol=1e-4)
+
+
+def test_fog_blurs_as_much_as_planes(device: Device) -> None:
+    """For a view so narrow that all rays run along the axis."""
+    medium = replace(FOG, collimation=0.3)
+    scene = foggy(medium, (EnvironmentLight(AMBIENT),), camera=FAR_CAMERA)
+    slices = model.march(FAR_CAMERA, medium, SIZE, STEPS, behind=3.0)
+    material = Material(
+        coverage=float(slices.coverage[0, 0, 0]),
+        emission=tuple(np.multiply(medium.albedo, AMBIENT)),
+        collimation=0.3,
+    )
+    sheets = [
+        Object(f"sheet {z}", quad((0, 0, -z), (1, 0, 0), (0, 1, 0)), material)
+        for z in slices.z[:, 0, 0].tolist()
+    ]
+    planes = Scene("planes", FAR_CAMERA, (wall(), *sheets))
+    found, expected = targets(device, scene), targets(device, planes)
+    assert expected[1][..., 3].min() > 1
+    np.testing.assert_allclose(found[0], expected[0], rtol=1e-4)
+    np.testing.assert_allclose(found[1], expected[1], rtol=1e-4)
+
+
+@pytest.mark.parametrize("steps", [1, 4, 32])
+def test_uniform_fog_has_its_closed_form(device: Device, steps: int) -> None:
+    scene = foggy(lights=(EnvironmentLight(AMBIENT),))
+    found = render(device, scene, f"phenomenological[precision=float,steps={steps}]", size=SIZE)
+    left = passed(scene)[..., None]
+    light = np.multiply(FOG.albedo, AMBIENT)
+    assert left.min() < 0.25
+    np.testing.assert_allclose(found, BACKGROUND * left + light * (1 - left), atol=1e-4)
+
+
+def test_half_precision_comes_close_to_the_closed_form(device: Device) -> None:
+    scene = foggy(lights=(EnvironmentLight(AMBIENT),))
+    left = passed(scene)[..., None]
+    expected = BACKGROUND * left + np.multiply(FOG.albedo, AMBIENT) * (1 - left)
+    # 8 bits of transmittance, and half floats of everything else.
+    for precision, bound in (("half", 3e-3), ("paper", 5e-3)):
+        name = f"phenomenological[precision={precision}]"
+        np.testing.assert_allclose(render(device, scene, name, size=SIZE), expected, atol=bound)
+
+
+def test_without_lights_fog_absorbs(device: Device) -> None:
+    scene = foggy()
+    assert scene.effects & Effect.VOLUME
+    found = render(device, scene, FLOAT, size=SIZE)
+    np.testing.assert_allclose(found, BACKGROUND * passed(scene)[..., None], atol=1e-5)
+
+
+def test_transmittance_alone_has_no_light_of_the_fog(device: Device) -> None:
+    scene = foggy(lights=(SUN, EnvironmentLight(AMBIENT)))
+    with opened(device, scene, FLOAT, SIZE) as frame:
+        frame.render(transmittance=True)
+        expected = np.repeat(passed(scene)[..., None], 3, -1)
+        np.testing.assert_allclose(frame.image(), expected, atol=1e-5)
+
+
+@pytest.mark.parametrize("z", [1.0, 5.0])
+def test_fog_composes_with_glass(device: Device, z: float) -> None:
+    """Before the fog as in it: transmittances multiply, and light adds up."""
+    glass = Material(transmission=(0.9, 0.5, 0.2), emission=(0.1, 0.2, 0.3))
+    pane = Object("pane", quad((0, 0, -z / 2), (9, 0, 0), (0, 9, 0)), glass)
+    lights = (EnvironmentLight(AMBIENT),)
+    both = targets(device, foggy(lights=lights, objects=(pane,)))
+    fog = targets(device, foggy(lights=lights))
+    alone = targets(device, foggy(None, lights, (pane,)))
+    np.testing.assert_allclose(both[0], fog[0] + alone[0], rtol=1e-5)
+    np.testing.assert_allclose(both[1][..., :3], fog[1][..., :3] * alone[1][..., :3], atol=1e-6)
+    assert np.ptp(alone[1][0, 0, :3]) > 0.5
+
+
+def test_fog_ends_at_an_opaque_wall(device: Device) -> None:
+    near = Object("near", quad((0, 0, -1.5), (9, 0, 0), (0, 9, 0)), Material(emission=WHITE))
+    found = render(device, foggy(objects=(near,)), FLOAT, size=SIZE)
+    (only,) = model.march(CAMERA, FOG, SIZE, 1, behind=1.5).coverage
+    np.testing.assert_allclose(found, np.repeat(1 - only[..., None], 3, -1), atol=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("low", "high"),
+    [
+        ((-9, -9, 0.5), (9, 9, 2)),
+        ((-9, -9, -9), (9, 9, -3.1)),
+        ((9, -9, -3), (10, 9, 0)),
+        ((-9, -9, -0.09), (9, 9, 1)),
+    ],
+    ids=["behind the eye", "behind the wall", "beside the view", "before the near plane"],
+)
+def test_a_box_out_of_view_changes_nothing(device: Device, low: RGB, high: RGB) -> None:
+    lights = (SUN, EnvironmentLight(AMBIENT))
+    clear = render(device, foggy(None, lights), FLOAT, size=SIZE)
+    found = render(device, foggy(Medium(5.0, low, high), lights), FLOAT, size=SIZE)
+    np.testing.assert_array_equal(found, clear)
+
+
+def test_a_camera_may_stand_in_the_fog(device: Device) -> None:
+    scene = foggy(Medium(0.5, (-9, -9, -9), (9, 9, 9)))
+    length = np.linalg.norm(model.rays(CAMERA, SIZE), axis=-1)
+    expected = np.exp(-0.5 * (3.0 - CAMERA.near) * length)[..., None] * BACKGROUND
+    np.testing.assert_allclose(render(device, scene, FLOAT, size=SIZE), expected, atol=1e-5)
+
+
+def test_a_grid_of_one_value_is_that_density(device: Device) -> None:
+    lights = (LAMP, EnvironmentLight(AMBIENT))
+    ones, halves = (np.full((3, 4, 5), value, dtype=np.float32) for value in (1.0, 0.5))
+    constant = render(device, foggy(lights=lights), FLOAT, size=SIZE)
+    full = render(device, foggy(replace(FOG, density=ones), lights), FLOAT, size=SIZE)
+    np.testing.assert_array_equal(full, constant)
+    thin = render(device, foggy(replace(FOG, extinction=0.35), lights), FLOAT, size=SIZE)
+    half = render(device, foggy(replace(FOG, density=halves), lights), FLOAT, size=SIZE)
+    np.testing.assert_array_equal(half, thin)
+    assert np.abs(half - full).max() > 0.05
+
+
+@pytest.mark.parametrize("lights", [(), (SUN, EnvironmentLight(AMBIENT))], ids=["dark", "lit"])
+def test_a_scene_without_fog_does_not_change(device: Device, lights: tuple[Light, ...]) -> None:
+    # The unit box, which stands in for no medium at all, is in view.
+    scene = foggy(None, lights, camera=Camera((0.5, 0.5, 1.5), (0.5, 0.5, 0)))
+    plain = render(device, scene, FLOAT, size=SIZE)
+    forced = scene.effects | Effect.VOLUME
+    found = render(device, scene, FLOAT, size=SIZE, effects=forced)
+    np.testing.assert_array_equal(found, plain)
+
+
+def test_nothing_is_left_where_fog_is_not_called_for(device: Device) -> None:
+    lights = (SUN, EnvironmentLight(AMBIENT))
+    scene = foggy(lights=lights)
+    without = scene.effects & ~Effect.VOLUME
+    with opened(device, scene, FLOAT, SIZE, effects=without) as frame:
+        assert "fog" not in [step.name for step in frame.passes]
+        frame.render()
+        clear = render(device, foggy(None, lights), FLOAT, size=SIZE)
+        np.testing.assert_array_equal(frame.image(), clear)
+
+
+def test_a_slit_casts_a_bright_sheet(device: Device) -> None:
+    """Light that falls through a gap in a roof lights the fog below it, and no more of it."""
+    roof = [
+        Object(f"roof {x}", quad((x, 3, -10), (1, 0, 0), (0, 0, -3)), Material())
+        for x in (-1.2, 1.2)
+    ]
+    medium = Medium(0.3, (-2, -1, -12), (2, 1, -8), albedo=WHITE, anisotropy=0.4)
+    down = DirectionalLight((0, -1, 0), (3.0, 2.0, 1.0))
+    camera, size = Camera((0, 0, 0), (0, 0, -1), fov_y=math.radians(1)), (80, 4)
+    scene = Scene("slit", camera, tuple(roof), lights=(down,), medium=medium)
+    found = render(device, scene, FLOAT, size=size)
+    total, left = sums(
+        model.march(
+            camera, medium, size, STEPS, lights=(down,),
+            visibility=lambda points: np.abs(points[..., :1]) < 0.2,
+        )
+    )  # fmt: skip
+    expected = (1 - left[..., None]) * total[..., :3] / np.maximum(total[..., 3:], 1e-5)
+    # Where a ray stays on one side of the shadow's edge, which the map keeps to a texel.
+    x = np.abs(model.rays(camera, size)[..., 0])
+    lit, dark = 12 * x < 0.19, 8 * x > 0.21
+    assert lit.sum() > 20
+    assert dark.sum() > 100
+    np.testing.assert_allclose(found[lit | dark], expected[lit | dark], atol=1e-5)
+    assert expected[lit].min() > 0.03
+    assert expected[dark].max() == 0
+
+
+def test_a_colored_pane_tints_the_fog_behind_it(device: Device) -> None:
+    pane = Material(transmission=(1.0, 0.25, 0.0), specular=0.0)
+    objects = (
+        Object("pane", quad((0, 3, -10), (2, 0, 0), (0, 0, -3)), pane),
+        Object("floor", quad((0, -1, -10), (2, 0, 0), (0, 0, -3)), Material(), casts=False),
+    )
+    medium = Medium(0.3, (-2, -1, -12), (2, 1, -8), albedo=WHITE)
+    camera = Camera((0, 0, 0), (0, 0, -1), fov_y=math.radians(3))
+    lights = (DirectionalLight((0, -1, 0)),)
+    scene = Scene("pane", camera, objects, lights=lights, medium=medium)
+    mean = render(device, scene, FLOAT, size=SIZE).mean(axis=(0, 1))
+    # A quarter of the green light gets to the floor, 4 m below the pane: depths of mean 1 and
+    # variance 3, by which 3 / (3 + 2^2) pass 3 m below it.
+    np.testing.assert_allclose(mean / mean[0], (1, 3 / 7, 0), atol=0.02)
+
+
+def test_looking_toward_the_light_is_brighter_in_haze(device: Device) -> None:
+    """Positive anisotropy scatters forward, on toward the eye."""
+    bright = {}
+    for z in (1.0, -1.0):
+        scene = foggy(lights=(DirectionalLight((0.0, -0.1, z)),))
+        bright[z] = render(device, scene, FLOAT, size=SIZE) - BACKGROUND * passed(scene)[..., None]
+    ratio = bright[1.0][7, 10, 0] / bright[-1.0][7, 10, 0]
+    expected = model.phase(1, FOG.anisotropy) / model.phase(-1, FOG.anisotropy)
+    assert ratio == pytest.approx(float(expected), rel=0.1)
+
+
+def test_neighboring_pixels_share_out_a_slice() -> None:
+    part = model.jitter((16, 8))
+    blocks = part.reshape(2, 4, 4, 4).swapaxes(1, 2).reshape(8, 16)
+    np.testing.assert_allclose(np.diff(np.sort(blocks, axis=-1), axis=-1), 1 / 16, atol=1e-9)
+    quarters = part.reshape(4, 2, 8, 2).swapaxes(1, 2).reshape(32, 4)
+    np.testing.assert_allclose(np.diff(np.sort(quarters, axis=-1), axis=-1), 1 / 4, atol=1e-9)
+    assert len(np.unique(np.round(16 * blocks.min(axis=-1), 6))) == 8
+
+
+def test_fog_costs_one_write_a_pixel(device: Device) -> None:
+    pixels = SIZE[0] * SIZE[1]
+    name = "phenomenological[steps=64]"
+    with opened(device, foggy(lights=(EnvironmentLight(AMBIENT),)), name, SIZE) as frame:
+        moved = _moved(frame, "fog")
+    # 64 bits of sums and 24 of transmittance, each read and written; 32 bits of depth are read.
+    assert moved == {"blend": 11 * pixels, "write": 11 * pixels, "read": 4 * pixels}
+
+
+def _moved(frame: Frame, name: str) -> dict[str, int]:
+    frame.render()
+    records: list[PassRecord] = []
+    frame.issue(records)
+    found: dict[str, int] = {}
+    for term in traffic(frame, records):
+        if term.pass_ == name:
+            found[term.kind] = found.get(term.kind, 0) + term.bytes
+    return found

@@ -1,0 +1,130 @@
+"""What 8 bits, half floats and floats do to deep stacks: stalls, drifts and overflows, shown."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from oitbench.gl.device import Device
+from oitbench.measure.oracle import composite
+from tests.helpers import (
+    BACKGROUND,
+    NOTHING,
+    WHITE,
+    Layer,
+    method,
+    random_lists,
+    render,
+    scene_of,
+    stack,
+)
+from tests.methods.test_identities import IDENTITIES
+
+THIN = [Layer(1.0 + index / 100, 1 / 512, NOTHING) for index in range(1000)]
+PASSED = (1 - 1 / 512) ** 1000
+
+
+def passed(device: Device, name: str) -> float:
+    """Return the transmittance of a thousand layers of coverage 1/512, 0.1416."""
+    return float(render(device, scene_of(stack(THIN, 4), WHITE), name)[0, 0, 0])
+
+
+def test_eight_bits_of_transmittance_stall_at_one(device: Device) -> None:
+    assert passed(device, "weighted_blended") == 1.0
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "alpha_blend",
+        "sorted_over",
+        "sorted_two_pass[sort=triangle]",
+        "weighted_blended",
+        "stochastic",
+    ],
+)
+def test_floats_follow_a_thousand_thin_layers(device: Device, name: str) -> None:
+    base, _, body = name.removesuffix("]").partition("[")
+    full = f"{base}[{body + ',' if body else ''}precision=float]"
+    assert passed(device, full) == pytest.approx(PASSED, abs=1e-4)
+
+
+@pytest.mark.parametrize(
+    "name", ["alpha_blend", "sorted_over", "weighted_blended[precision=half]", "stochastic"]
+)
+def test_half_floats_drift_over_a_thousand_thin_layers(device: Device, name: str) -> None:
+    # Rounding to nearest or toward zero, up to half a step or a step of each of 1000 factors.
+    found = passed(device, name)
+    assert 0 < found < 0.5
+    assert abs(found - PASSED) > 0.01
+
+
+def test_the_sum_of_bright_near_layers_overflows_in_half_floats_alone(device: Device) -> None:
+    layers = [Layer(0.1001, 1.0, (2.0, 2.0, 2.0))] * 16
+    for precision in ("paper", "half"):
+        found = render(device, stack(layers, 4), f"weighted_blended[precision={precision}]")
+        assert found.max() == pytest.approx(65504 / (16 * 3e3), rel=0.01)
+    found = render(device, stack(layers, 4), "weighted_blended[precision=float]")
+    assert found == pytest.approx(np.full_like(found, 2.0), rel=1e-5)
+
+
+def test_a_count_of_half_floats_stalls_at_2048(device: Device) -> None:
+    count, alpha = 3000, 1e-3
+    lists = scene_of(stack([Layer(2.0, alpha, NOTHING)] * count, 4), WHITE)
+    right = render(device, lists, "weighted_average[count=r32f,precision=float]")[0, 0, 0]
+    assert right == pytest.approx((1 - alpha) ** count, abs=1e-4)
+    stalled = render(device, lists, "weighted_average[precision=float]")[0, 0, 0]
+    assert stalled == pytest.approx((1 - alpha * count / 2048) ** 2048, abs=1e-4)
+
+
+@pytest.mark.parametrize("name", ["weighted_sum", "weighted_average[count=r32f]"])
+def test_a_sum_of_half_floats_stalls_after_2048_equal_terms(device: Device, name: str) -> None:
+    lists = scene_of(stack([Layer(2.0, 2.0**-10, WHITE)] * 4096, 4), NOTHING)
+    separator = "," if "[" in name else "["
+    full = f"{name.removesuffix(']')}{separator}precision=float]"
+    expected = {"weighted_sum": 4.0}.get(name, 1 - (1 - 2.0**-10) ** 4096)
+    assert render(device, lists, full)[0, 0] == pytest.approx([expected] * 3, rel=1e-4)
+    assert render(device, lists, name)[0, 0, 0] < 0.95 * expected
+
+
+VARIANTS = [
+    "weighted_sum[precision=float]",
+    "weighted_sum[clamp=true,precision=float]",
+    "weighted_average[precision=float]",
+    "weighted_average[count=r32f]",
+    "alpha_blend[precision=float]",
+    "sorted_over[precision=float]",
+    "sorted_two_pass[precision=float]",
+    "depth_peeling[precision=float]",
+    "weighted_blended[precision=half]",
+    "weighted_blended[precision=float]",
+    "weighted_blended[msaa=4]",
+    *(f"stochastic[correction={correction}]" for correction in ("none", "alpha")),
+    "stochastic[precision=float]",
+    "stochastic[samples=64]",
+    "stochastic[samples=4]",
+    "hashed_alpha[scale=4]",
+]
+
+
+@pytest.mark.parametrize(
+    ("name", "identity"),
+    [(name, held) for name in VARIANTS for held in IDENTITIES if held in method(name).holds],
+)
+def test_identities_hold_at_every_precision(device: Device, name: str, identity: str) -> None:
+    IDENTITIES[identity](device, method(name))
+
+
+@pytest.mark.parametrize("name", ["alpha_blend", "sorted_over", "depth_peeling", "stochastic"])
+def test_floats_change_a_shallow_picture_by_steps_of_a_half_alone(
+    device: Device, name: str
+) -> None:
+    lists = scene_of(random_lists(6), BACKGROUND)
+    half, full = (render(device, lists, f"{name}[precision={p}]") for p in ("half", "float"))
+    assert 0 < abs(half - full).max() < 8 * 2.0**-10
+
+
+def test_peeling_in_floats_is_exact(device: Device) -> None:
+    lists = random_lists(12, tinted=True)
+    found = render(device, lists, "depth_peeling[precision=float]")
+    assert abs(found - composite(lists, BACKGROUND)).max() < 1e-6

@@ -1,0 +1,294 @@
+"""Methods of chance are right in the mean, no noisier than chance allows, and get better with work.
+
+Every picture has 10,000 pixels of one and the same list, so each pixel is an independent trial.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from math import comb
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+
+from oitbench.gl.device import Device
+from oitbench.measure import accounting
+from oitbench.measure.oracle import composite, transmittances
+from oitbench.modeling.mesh import quad
+from oitbench.plugins import folder_of
+from oitbench.scene import RGB, Camera, FragmentLists, Material, Object, Scene
+from tests.helpers import (
+    BACKGROUND,
+    BLUE,
+    GREEN,
+    NOTHING,
+    RED,
+    WHITE,
+    Array64,
+    Layer,
+    collection,
+    method,
+    opened,
+    random_lists,
+    render,
+    scene_of,
+    stack,
+    stranger,
+    write_method,
+)
+from tests.models import hashed_alpha as model
+
+SIDE, TRIALS = 100, 10_000
+BLACK_OVER_BLUE = [Layer(1.0, 0.45, RED), Layer(2.0, 0.45, GREEN)]
+MIXED = [
+    Layer(5.0, 0.3, (0.9, 0.2, 0.1)),
+    Layer(1.5, 0.15, (0.1, 0.8, 0.3)),
+    Layer(9.0, 0.7, WHITE),
+    Layer(3.0, 0.55, (0.2, 0.1, 0.7)),
+    Layer(7.0, 0.4, (0.5, 0.9, 0.0), (0.3, 0.3, 0.3)),
+]
+# Variances are estimated from the trials; their own spread is about the root of 2/n, or twice that.
+SLACK = 1.1
+
+
+def trials(
+    device: Device, layers: list[Layer], name: str, background: RGB = BACKGROUND
+) -> tuple[Array64, Array64]:
+    """Return the picture's pixels, (n, 3), and the exact color, (3,)."""
+    lists = stack(layers, SIDE)
+    found = render(device, scene_of(lists, background), name).reshape(-1, 3)
+    return found.astype(np.float64), composite(stack(layers, 1), background)[0, 0]
+
+
+def gathered(device: Device, layers: list[Layer], samples: int) -> Array64:
+    """Return the uncorrected sum (alpha L v, o v) of depth-based sampling, (n, 4)."""
+    name = f"stochastic[samples={samples},precision=float]"
+    with opened(device, scene_of(stack(layers, SIDE), NOTHING), name) as frame:
+        frame.render()
+        return frame.read("sum").reshape(-1, 4).astype(np.float64)
+
+
+def assert_mean(found: Array64, expected: npt.ArrayLike) -> None:
+    """Check a mean of independent trials by four standard deviations."""
+    deviation = found.std(axis=0) / np.sqrt(len(found))
+    assert (abs(found.mean(axis=0) - np.asarray(expected)) <= 4 * deviation + 1e-6).all()
+
+
+def independent_variance(layers: list[Layer], background: RGB, samples: int) -> Array64:
+    """Return the variance of a mean of samples that each show one surface by chance."""
+    lists = stack(sorted(layers, key=lambda layer: layer.z), 1)
+    opacity = 1 - transmittances(lists).mean(axis=-1)[:, 0, 0]
+    seen = np.append(opacity, 1.0) * np.cumprod([1.0, *(1 - opacity)])
+    color = lists.coverage[:, 0, 0, None] * lists.radiance[:, 0, 0] / opacity[:, None]
+    shown = np.concatenate([color, [background]])
+    mean = seen @ shown
+    return np.asarray((seen @ shown**2 - mean**2) / samples)
+
+
+@pytest.mark.parametrize("samples", [4, 8, 16, 64])
+@pytest.mark.parametrize("layers", [BLACK_OVER_BLUE, MIXED])
+def test_sampled_color_is_right_in_the_mean_and_as_quiet_as_independent_samples(
+    device: Device, layers: list[Layer], samples: int
+) -> None:
+    name = f"stochastic[samples={samples},correction=none,precision=float]"
+    found, exact = trials(device, layers, name)
+    assert_mean(found, exact)
+    assert found.std(axis=0).min() > 0
+    bound = independent_variance(layers, BACKGROUND, samples)
+    assert (found.var(axis=0) <= SLACK * bound).all()
+
+
+def test_the_bound_of_independent_samples_is_that_of_the_hand_example() -> None:
+    bound = independent_variance(BLACK_OVER_BLUE, BLUE, 8)
+    assert np.sqrt(bound) == pytest.approx([0.176, 0.153, 0.162], abs=5e-4)
+
+
+@pytest.mark.parametrize("samples", [4, 16, 64])
+def test_sampled_visibility_is_right_in_the_mean(device: Device, samples: int) -> None:
+    # What depth-based sampling sums before it is corrected.
+    _, exact = trials(device, MIXED, "alpha_blend", NOTHING)
+    passed = transmittances(stack(MIXED, 1)).mean(axis=-1).prod()
+    assert_mean(gathered(device, MIXED, samples), [*exact, 1 - passed])
+
+
+@pytest.mark.parametrize("alpha", [0.45, 0.06])
+def test_one_layer_is_as_quiet_as_stratified_masks(device: Device, alpha: float) -> None:
+    samples = 8
+    rest = alpha * samples % 1
+    expected = rest * (1 - rest) / samples**2
+    name = f"stochastic[samples={samples},correction=none,precision=float]"
+    found, _ = trials(device, [Layer(1.0, alpha, WHITE)], name, NOTHING)
+    assert_mean(found, alpha)
+    assert found.var() == pytest.approx(expected, rel=0.08)
+    # So is the visibility behind it.
+    behind = [Layer(1.0, alpha, NOTHING), Layer(2.0, 1.0, WHITE)]
+    seen = gathered(device, behind, samples)[:, 0]
+    assert_mean(seen, 1 - alpha)
+    assert seen.var() == pytest.approx(expected, rel=0.08)
+
+
+@pytest.mark.parametrize(("layers", "passed"), [(2, 0.25), (5, 0.5**5)])
+def test_surfaces_of_a_pixel_have_masks_of_their_own(
+    device: Device, layers: int, passed: float
+) -> None:
+    # Alike in all but their depth; with the same masks one half of the light would pass.
+    planes = [Layer(1.0 + index, 0.5, NOTHING) for index in range(layers)]
+    found, _ = trials(device, planes, "stochastic[correction=none,precision=float]", WHITE)
+    assert_mean(found, passed)
+
+
+def visibility_error(device: Device, samples: int) -> tuple[float, float]:
+    """Return the errors (RMSE) of what is seen through eight layers: directly, and by a probe."""
+    layers = [Layer(1.0 + index, 0.25, NOTHING) for index in range(8)]
+    name = f"stochastic[samples={samples},correction=none,precision=float]"
+    found, exact = trials(device, layers, name, WHITE)
+    seen = gathered(device, [*layers, Layer(10.0, 1.0, WHITE)], samples)[:, :3]
+    return float(np.sqrt(((found - exact) ** 2).mean())), float(
+        np.sqrt(((seen - exact) ** 2).mean())
+    )
+
+
+def test_errors_fall_by_the_root_of_the_samples(device: Device) -> None:
+    samples = [8, 16, 32, 64]
+    errors = np.log([visibility_error(device, count) for count in samples])
+    slopes = np.polyfit(np.log(samples), errors, 1)[0]
+    assert slopes == pytest.approx([-0.5, -0.5], abs=0.05)
+
+
+def test_correcting_leaves_less_noise_and_a_bias_that_fades(device: Device) -> None:
+    noise, bias = [], []
+    for samples in (8, 32):
+        found, exact = trials(device, MIXED, f"stochastic[samples={samples},precision=float]")
+        noise.append(found.std(axis=0).max())
+        bias.append(abs(found.mean(axis=0) - exact).max())
+        plain, _ = trials(
+            device, MIXED, f"stochastic[samples={samples},correction=none,precision=float]"
+        )
+        assert (found.std(axis=0) < plain.std(axis=0)).all()
+    assert noise[1] < 0.65 * noise[0]
+    assert bias[1] < 0.4 * bias[0] < 0.01
+
+
+def taken_samples(device: Device, alpha: float, samples: int) -> npt.NDArray[np.bool_]:
+    """Return which samples one layer takes in each trial, (n, samples)."""
+    lists = stack([Layer(1.0, alpha)], SIDE)
+    with opened(device, scene_of(lists), f"stochastic[samples={samples}]") as frame:
+        frame.render()
+        found = [frame.read(f"depths{i}") for i in range(samples // 4)]
+    return np.concatenate(found, axis=-1).reshape(-1, samples) < 2
+
+
+def test_every_set_of_samples_is_equally_likely(device: Device) -> None:
+    taken = taken_samples(device, 3 / 8, 8)
+    assert (taken.sum(axis=1) == 3).all()
+    _, counts = np.unique(np.packbits(taken, axis=1), return_counts=True)
+    assert len(counts) == comb(8, 3)
+    expected = TRIALS / len(counts)
+    # Chi-square of 55 degrees of freedom: 1 in 1000 passes 93.
+    assert ((counts - expected) ** 2 / expected).sum() < 93
+
+
+@pytest.mark.parametrize(("alpha", "samples"), [(0.3, 16), (0.51, 32), (0.01, 4)])
+def test_one_more_sample_is_taken_as_often_as_the_remainder_says(
+    device: Device, alpha: float, samples: int
+) -> None:
+    counts = taken_samples(device, alpha, samples).sum(axis=1)
+    low = int(alpha * samples)
+    assert set(np.unique(counts)) == {low, low + 1}
+    assert_mean(counts.astype(np.float64), alpha * samples)
+
+
+PROBE = """
+class Probe(Method):
+    parameters = {"scale": Parameter(1.0)}
+    targets = {"color": Target("rgba32f")}
+    passes = (Pass("probe.glsl", Draws.FRAGMENTS, writes={"color": REPLACE}),)
+"""
+SHOW = """#include "threshold.glsl"
+void gather(Fragment fragment) { color = vec4(threshold(fragment.position)); }
+"""
+
+
+@pytest.fixture(scope="module")
+def probe(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A method that shows the thresholds of hashed alpha testing."""
+    folder = folder_of(type(method("hashed_alpha")))
+    threshold = (folder / "threshold.glsl").read_text()
+    return write_method(
+        tmp_path_factory.mktemp("probe") / "probe", PROBE, probe=SHOW, threshold=threshold
+    )
+
+
+def thresholds_of(
+    device: Device, probe: Path, scene: Scene | FragmentLists, scale: float, side: int = 128
+) -> npt.NDArray[np.float32]:
+    chosen = stranger(f"{probe}[scale={scale}]")
+    return render(device, scene, chosen, size=(side, side))[..., 0]
+
+
+@pytest.mark.parametrize("scale", [0.25, 1.0, 3.0])
+@pytest.mark.parametrize("distance", [2, 3.7, 40])
+def test_thresholds_are_uniform(device: Device, probe: Path, scale: float, distance: float) -> None:
+    plane = collection().build_scene(f"layer_stack[count=1,first={distance}]")
+    apart = int(np.ceil(2 * scale)) + 1  # pixels, so that no two share a cell
+    values = np.sort(thresholds_of(device, probe, plane, scale, 192)[::apart, ::apart], axis=None)
+    count = len(values)
+    steps = np.arange(count + 1) / count
+    distance_to_uniform = max((steps[1:] - values).max(), (values - steps[:-1]).max())
+    # Kolmogorov and Smirnov: 1 in 100 passes 1.63.
+    assert distance_to_uniform * np.sqrt(count) < 1.63
+
+
+def test_thresholds_stick_to_surfaces(device: Device, probe: Path) -> None:
+    side, distance, pixels = 128, 4.0, 3
+    wall = Object("wall", quad((0, 0, -distance), (9, 0, 0), (0, 9, 0)), Material(coverage=0.5))
+    width = 2 * distance * np.tan(np.radians(45) / 2) / side
+    pictures = []
+    for shift in (0.0, pixels * width):
+        camera = Camera((shift, 0, 0), (shift, 0, -1))
+        scene = Scene("wall", camera, (wall,))
+        pictures.append(thresholds_of(device, probe, scene, 1.0, side))
+    before, after = pictures
+    same = abs(before[:, pixels:] - after[:, :-pixels]) < 0.05
+    assert same.mean() > 0.9
+    assert (abs(before - after) < 0.05).mean() < 0.3
+
+
+def test_hashed_alpha_shows_the_nearest_layer_that_passes(device: Device, probe: Path) -> None:
+    lists = random_lists(6)
+    single = [
+        replace(lists, **{name: getattr(lists, name)[i : i + 1] for name in vars(lists)})
+        for i in range(6)
+    ]
+    thresholds = [thresholds_of(device, probe, layer, 1.0, 16) for layer in single]
+    expected = model.composite(lists, BACKGROUND, np.stack(thresholds))
+    found = render(device, lists, "hashed_alpha")
+    np.testing.assert_allclose(found, expected, rtol=2.0**-10, atol=2.0**-11)
+
+
+@pytest.mark.parametrize("layers", [BLACK_OVER_BLUE, MIXED, MIXED[:1]])
+def test_hashed_alpha_is_right_in_the_mean(device: Device, layers: list[Layer]) -> None:
+    found, exact = trials(device, layers, "hashed_alpha[scale=0.25]")
+    # Colors themselves are half floats.
+    deviation = found.std(axis=0) / np.sqrt(TRIALS)
+    assert (abs(found.mean(axis=0) - exact) <= 4 * deviation + 2.0**-12).all()
+    bound = independent_variance(layers, BACKGROUND, 1)
+    assert (found.var(axis=0) <= SLACK * bound).all()
+    assert (found.var(axis=0) >= bound / SLACK).all()
+
+
+def test_hashed_alpha_takes_32_bits_and_one_pass(device: Device) -> None:
+    with opened(device, scene_of(random_lists(2)), "hashed_alpha") as frame:
+        assert accounting.memory(frame)["bits_per_pixel"] == 32
+        assert len(frame.passes) == 1
+
+
+def test_hashed_alpha_stays_behind_what_is_opaque(device: Device) -> None:
+    wall = Object("wall", quad((2, 0, -3), (2, 0, 0), (0, 9, 0)), Material(emission=GREEN))
+    pane = Object("pane", quad((0, 0, -4), (9, 0, 0), (0, 9, 0)), Material(1 - 1e-7, emission=RED))
+    scene = Scene("half", Camera((0, 0, 0), (0, 0, -1)), (wall, pane))
+    found = render(device, scene, "hashed_alpha", size=(32, 32))
+    assert (found[:, 17:] == np.asarray(GREEN)).all()
+    assert (found[:, :15] == np.asarray(RED)).mean() > 0.99

@@ -1,0 +1,55 @@
+"""The methods still give what the committed baseline says, and a broken one turns red.
+
+Where a change is meant to move a metric or a count, `python -m tests.guard` writes the baseline
+anew.
+"""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+from oitbench.plugins import own_folder
+from oitbench.results import baseline
+from oitbench.results import comparison as regression
+from oitbench.results.baseline import Snapshot
+from oitbench.results.store import CELLS, read_cells
+from tests import guard
+
+
+def test_every_method_gives_what_the_baseline_says(tmp_path: Path) -> None:
+    guard.run(tmp_path)
+    comparison = regression.compare(tmp_path, guard.BASELINE)
+    assert comparison.passed, "\n".join(map(str, comparison.regressions))
+
+
+def test_the_baseline_names_no_machine() -> None:
+    text = guard.BASELINE.read_text(encoding="utf-8")
+    assert "frame_ms" not in text
+    assert ".exr" not in text
+    assert str(Path.home()) not in text
+    assert str(own_folder()) not in text
+
+
+def test_a_broken_shader_is_a_regression(tmp_path: Path) -> None:
+    """A resolve that loses a twentieth of the coverage must not pass."""
+    method = tmp_path / "weighted_blended"
+    shutil.copytree(own_folder() / "methods" / "weighted_blended", method)
+    resolve = method / "resolve.glsl"
+    sound = resolve.read_text(encoding="utf-8")
+    broken = sound.replace("1.0 - read_reveal()", "0.95 - read_reveal()")
+    assert broken != sound
+    resolve.write_text(broken, encoding="utf-8")
+    scenes = ("layer_stack", "smoke_ball[detail=0.1]")
+    guard.run(tmp_path / "results", scenes, [str(method)])
+    for record in read_cells(tmp_path / "results" / CELLS).values():
+        assert record["time"] is None
+        assert set(record["metrics"]["path_traced"]) == {"reason"}
+    now = baseline.read(tmp_path / "results")
+    assert len(now.rows) == len(scenes)
+    every = baseline.read(guard.BASELINE)
+    before = Snapshot(every.renderer, {cell: every.rows[cell] for cell in now.rows})
+    comparison = regression.compare_snapshots(now, before)
+    assert {finding.cell for finding in comparison.regressions} == set(now.rows)
+    worse = {finding.field for finding in comparison.regressions if finding.verdict == "worse"}
+    assert {"exact.flip_ldr@67ppd", "exact.rmse_lin", "exact.rmse_transmittance"} <= worse

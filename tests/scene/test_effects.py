@@ -1,0 +1,170 @@
+"""What runs is what a scene calls for and a method can express; all else costs nothing."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from oitbench.effects import Effect, names
+from oitbench.errors import UsageError
+from oitbench.gl.device import Device
+from oitbench.matrix.cell import choose_effects
+from oitbench.method.declaration import Method
+from oitbench.modeling.mesh import quad
+from oitbench.plugins import Collection
+from oitbench.scene import (
+    Camera,
+    DirectionalLight,
+    EnvironmentLight,
+    Material,
+    Medium,
+    Object,
+    Scene,
+)
+from tests.helpers import (
+    Layer,
+    collection,
+    method,
+    opened,
+    random_lists,
+    render,
+    scene_of,
+    stack,
+    write_method,
+)
+
+OPTIONAL = """
+class Optional(Method):
+    expresses = Effect.COVERAGE | Effect.DIFFUSION
+    targets = {
+        "sum": Target("rgba16f"),
+        "spread": Target("r32f", when=Effect.DIFFUSION),
+    }
+    buffers = {"marks": Buffer({"mark": "uint"}, Items.PIXELS, when=Effect.DIFFUSION)}
+    passes = (
+        Pass("gather.glsl", Draws.FRAGMENTS, writes={"sum": ADD, "spread": ADD}),
+        Pass("blur.glsl", Draws.PIXELS, reads=("spread",), writes={"sum": ADD},
+             buffers=("marks",), when=Effect.DIFFUSION),
+        Interleaved((
+            Pass("plain.glsl", Draws.FRAGMENTS, writes={"color": ADD}),
+            Pass("diffuse.glsl", Draws.FRAGMENTS, writes={"color": ADD}, when=Effect.DIFFUSION),
+        ), Order.SUBMISSION),
+    )
+"""
+GATHER = """void gather(Fragment fragment) {
+    sum = vec4(1.0);
+#ifdef EFFECT_DIFFUSION
+    spread = 1.0;
+#endif
+}"""
+PLAIN = "void gather(Fragment fragment) { color = vec4(1.0); }"
+BLUR = "void resolve() { set_marks_mark(pixel_index(), 1u); sum = vec4(read_spread()); }"
+
+
+@pytest.fixture
+def optional(tmp_path: Path) -> Method:
+    """A method that has a target, a buffer, a pass and half a step for diffusion alone."""
+    folder = write_method(
+        tmp_path / "optional", OPTIONAL, gather=GATHER, blur=BLUR, plain=PLAIN, diffuse=PLAIN
+    )
+    return Collection.load().add_method(folder)()
+
+
+def scene(transparent: Material, **more: Any) -> Scene:
+    camera = Camera(position=(0, 0, 0), target=(0, 0, -1))
+    floor = Object("floor", quad((0, 0, -3), (1, 0, 0), (0, 1, 0)), Material())
+    sheet = Object("sheet", quad((0, 0, -2), (1, 0, 0), (0, 1, 0)), transparent)
+    return Scene("small", camera, objects=(floor, sheet), **more)
+
+
+@pytest.mark.parametrize(
+    ("material", "called"),
+    [
+        (Material(), []),
+        (Material(coverage=0.5), ["COVERAGE"]),
+        (Material(transmission=(0.5, 0.5, 0.5)), ["COVERAGE"]),
+        (Material(transmission=(0.5, 0.6, 0.5)), ["COVERAGE", "COLORED_TRANSMISSION"]),
+        (Material(coverage=0.5, index=1.5, solid=True), ["COVERAGE", "REFRACTION"]),
+        # A thin sheet has two sides: what one bends, the other bends back.
+        (Material(coverage=0.5, index=1.5), ["COVERAGE"]),
+        (Material(coverage=0.5, collimation=0.9), ["COVERAGE", "DIFFUSION"]),
+        # Nothing passes an opaque surface, so that it can neither bend nor spread light.
+        (Material(index=1.5, collimation=0.5), []),
+    ],
+)
+def test_materials_call_for_effects(material: Material, called: list[str]) -> None:
+    assert names(scene(material).effects) == called
+
+
+def test_lights_call_for_shadows_of_what_is_there() -> None:
+    sun = (DirectionalLight((0.0, -1.0, 0.0)),)
+    grey, red = (
+        Material(coverage=0.5),
+        Material(transmission=(0.9, 0.1, 0.1), index=1.5, solid=True),
+    )
+    shadows = ["SHADOWS", "TRANSLUCENT_SHADOWS"]
+    assert names(scene(grey, lights=sun).effects) == ["COVERAGE", *shadows]
+    assert names(scene(Material(), lights=sun).effects) == ["SHADOWS"]
+    found = names(scene(red, lights=sun).effects)
+    assert found[-4:] == [*shadows, "COLORED_SHADOWS", "CAUSTICS"]
+    assert names(scene(grey, lights=(EnvironmentLight(),)).effects) == ["COVERAGE"]
+
+
+def test_fog_and_foliage_call_for_their_effects() -> None:
+    leaf = Material(coverage=0.5, binary_coverage=True)
+    fog = Medium(0.1, (-1, -1, -3), (1, 1, 0))
+    assert Effect.VOLUME in scene(leaf, medium=fog).effects
+    assert Effect.INFERRED_AO in scene(leaf, ambient_occlusion=0.5).effects
+    assert Effect.INFERRED_AO not in scene(leaf).effects
+
+
+def test_lists_call_for_color_if_one_fragment_is_tinted() -> None:
+    assert names(scene_of(random_lists(2)).effects) == ["COVERAGE"]
+    assert "COLORED_TRANSMISSION" in names(scene_of(random_lists(2, tinted=True)).effects)
+
+
+def test_an_uncalled_effect_leaves_nothing_behind(device: Device, optional: Method) -> None:
+    device.programs.clear()
+    lists = scene_of(stack([Layer(2, 0.5)]))
+    with opened(device, lists, optional, effects=Effect.COVERAGE) as frame:
+        frame.render()
+        assert {name for name, _ in frame.resources.memory()} == {"sum"}
+        assert [step.name for step in frame.passes] == ["gather", "plain"]
+        sources = " ".join(fragment for _, fragment in device.programs)
+        assert "DIFFUSION 1" not in sources
+        assert "out float spread" not in sources
+
+
+def test_a_called_effect_brings_all_that_it_needs(device: Device, optional: Method) -> None:
+    device.programs.clear()
+    lists = scene_of(stack([Layer(2, 0.5)]))
+    with opened(device, lists, optional, effects=Effect.DIFFUSION) as frame:
+        frame.render()
+        assert {name for name, _ in frame.resources.memory()} == {"sum", "spread", "marks"}
+        assert [step.name for step in frame.passes] == ["gather", "blur", "plain", "diffuse"]
+        sources = " ".join(fragment for _, fragment in device.programs)
+        assert "#define EFFECT_DIFFUSION 1" in sources
+        assert (frame.read("spread") == 1).all()
+
+
+@pytest.mark.parametrize("name", collection().methods)
+def test_forcing_every_effect_changes_no_pixel(device: Device, name: str) -> None:
+    lists, chosen = random_lists(6), method(name)
+    called = render(device, lists, chosen)
+    forced = render(device, lists, chosen, effects=~Effect.NONE & chosen.shows)
+    np.testing.assert_array_equal(called, forced)
+
+
+def test_effects_are_chosen_by_name() -> None:
+    called = Effect.COVERAGE | Effect.DIFFUSION | Effect.REFRACTION
+    assert choose_effects("called", called) == called
+    assert choose_effects("none", called) is Effect.NONE
+    assert all(effect in choose_effects("all", called) for effect in Effect)
+    assert choose_effects("-diffusion, -refraction", called) == Effect.COVERAGE
+    with pytest.raises(UsageError, match="unknown effect 'difusion'; did you mean diffusion"):
+        choose_effects("-difusion", called)
+    with pytest.raises(UsageError, match="give called, all, none, or -NAME"):
+        choose_effects("diffusion", called)

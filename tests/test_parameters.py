@@ -1,0 +1,102 @@
+"""`NAME[param=v,w]`: what it stands for, and what is said about what it cannot stand for."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from oitbench.errors import UsageError
+from oitbench.parameters import Parameter, Value, expand, parse, text, variant
+
+PARAMETERS = {
+    "node": Parameter("precise", choices=("precise", "compact")),
+    "count": Parameter(4, low=1, high=8),
+    "alpha": Parameter(0.5, low=0.0, high=1.0),
+    "radiance": Parameter(1.0, low=0.0),
+    "tinted": Parameter(False),
+}
+
+
+def assignments(given: str) -> list[dict[str, Value]]:
+    return list(expand(parse(given), PARAMETERS))
+
+
+def test_a_bare_name_stands_for_all_defaults() -> None:
+    defaults = {"node": "precise", "count": 4, "alpha": 0.5, "radiance": 1.0, "tinted": False}
+    assert assignments("thing") == [defaults]
+    assert assignments("thing[]") == [defaults]
+
+
+def test_lists_of_values_stand_for_their_product() -> None:
+    found = assignments("thing[node=precise,compact,count=1,2,3]")
+    assert [(a["node"], a["count"]) for a in found] == [
+        (node, count) for node in ("precise", "compact") for count in (1, 2, 3)
+    ]
+
+
+def test_spaces_and_repeated_keys_are_understood() -> None:
+    assert parse(" thing[ count = 1 , 2, node=compact, count=3 ] ").grid == {
+        "count": ("1", "2", "3"),
+        "node": ("compact",),
+    }
+
+
+def test_a_path_is_a_name() -> None:
+    assert parse("../my-methods/x.y[count=1]").name == "../my-methods/x.y"
+
+
+@pytest.mark.parametrize("given", ["", "[count=1]", "thing[count=1", "thing]", "a[b=1][c=2]"])
+def test_what_cannot_be_read_is_quoted(given: str) -> None:
+    with pytest.raises(UsageError, match="cannot read") as caught:
+        parse(given)
+    assert f"'{given}'" in str(caught.value)
+
+
+def test_a_value_before_any_parameter_is_refused() -> None:
+    with pytest.raises(UsageError, match="'4' stands before any 'param='"):
+        parse("thing[4]")
+
+
+def test_a_wrong_parameter_brings_the_nearest() -> None:
+    with pytest.raises(UsageError, match="parameter of thing 'alhpa'; did you mean alpha"):
+        assignments("thing[alhpa=1]")
+
+
+@pytest.mark.parametrize(
+    ("given", "told"),
+    [
+        ("thing[node=tiny]", "node cannot be tiny; choose from precise, compact"),
+        ("thing[node=]", "node cannot be ; choose"),
+        ("thing[count=0]", "count is 0; it must be at least 1"),
+        ("thing[count=9]", "count is 9; it must be at most 8"),
+        ("thing[count=2.5]", "count takes int, not '2.5'"),
+        ("thing[count=]", "count takes int, not ''"),
+        ("thing[alpha=nan]", "alpha is nan"),
+        ("thing[alpha=inf]", "alpha is inf"),
+        ("thing[radiance=nan]", "radiance is nan; it must be at least 0.0"),
+        ("thing[alpha=half]", "alpha takes float, not 'half'"),
+        ("thing[tinted=yes]", "tinted takes bool, not 'yes'"),
+    ],
+)
+def test_a_wrong_value_is_told_with_what_is_allowed(given: str, told: str) -> None:
+    with pytest.raises(UsageError) as caught:
+        assignments(given)
+    assert str(caught.value).startswith(f"thing: {told}")
+
+
+def test_values_from_python_are_checked_alike() -> None:
+    assert PARAMETERS["alpha"].check("thing", "alpha", 1) == 1.0
+    for wrong in (True, "0.5", math.nan):
+        with pytest.raises(UsageError, match="alpha"):
+            PARAMETERS["alpha"].check("thing", "alpha", wrong)
+
+
+def test_a_label_tells_only_what_differs_from_the_defaults() -> None:
+    values: dict[str, Value] = {"node": "precise", "count": 2, "alpha": 0.5, "tinted": True}
+    assert variant("thing", values, PARAMETERS) == "thing[count=2,tinted=true]"
+
+
+@pytest.mark.parametrize("value", [0.1, 1 / 3, 0.123456789, 1e-7, 1.0, 123456789.0])
+def test_a_label_brings_back_the_very_number(value: float) -> None:
+    assert float(text(value)) == value

@@ -1,0 +1,160 @@
+"""Plugins are found by path, from wherever; a broken one hurts only who asks for it."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from oitbench.errors import DeclarationError, UsageError
+from oitbench.plugins import Collection, folder_of, own_folder
+from tests.helpers import write_method
+
+METHOD = "class Mine(Method):\n    parameters = {'strength': Parameter(3)}\n"
+SCENE = '''"""One wall."""
+from oitbench import Parameter
+from oitbench.modeling.mesh import quad
+from oitbench.scene import Camera, Material, Object, Scene
+
+parameters = {"alpha": Parameter(0.5, low=0.0, high=1.0)}
+
+
+def build(*, name: str, alpha: float) -> Scene:
+    wall = Object("wall", quad((0, 0, -2), (1, 0, 0), (0, 1, 0)), Material(coverage=alpha))
+    return Scene(name, Camera((0, 0, 0), (0, 0, -1)), (wall,))
+'''
+
+
+@pytest.fixture
+def strangers(tmp_path: Path) -> Path:
+    """A collection of somebody else's, with one of each kind and one broken of each."""
+    folder = tmp_path / "strange place"
+    write_method(folder / "methods" / "mine", METHOD)
+    write_method(folder / "methods" / "broken", "import no_such_module\n")
+    for kind in ("scenes", "reports"):
+        (folder / kind).mkdir()
+        (folder / kind / "broken.py").write_text("this is no Python\n")
+    (folder / "scenes" / "wall.py").write_text(SCENE)
+    (folder / "reports" / "mine.py").write_text('"""A report."""\n')
+    return folder
+
+
+def test_the_suite_has_its_own_plugins() -> None:
+    found = Collection.load()
+    assert {"a_buffer", "alpha_blend", "weighted_blended"} <= set(found.methods)
+    assert {"layer_stack", "fragment_lists"} <= set(found.scenes)
+    assert own_folder() in found.folders
+
+
+def test_plugins_are_found_whatever_folder_one_stands_in(strangers: Path) -> None:
+    script = (
+        "from oitbench.plugins import Collection;"
+        f"c = Collection.load([{str(strangers)!r}]);"
+        "print('a_buffer' in c.methods, 'mine' in c.methods, c.build_scene('wall').name)"
+    )
+    answer = subprocess.run(
+        [sys.executable, "-c", script], cwd=strangers, capture_output=True, text=True, check=True
+    )
+    assert answer.stdout.split() == ["True", "True", "wall"]
+
+
+def test_a_strangers_plugins_stand_beside_the_suites_own(strangers: Path) -> None:
+    found = Collection.load([strangers])
+    (mine,) = found.expand_methods(["mine[strength=5]"])
+    assert (mine.label, mine.values) == ("mine[strength=5]", {"strength": 5})
+    assert folder_of(type(mine)) == strangers / "methods" / "mine"
+    assert found.build_scene("wall[alpha=0.25]").objects[0].material.coverage == 0.25
+    assert found.reports["mine"].__doc__ == "A report."
+    assert "a_buffer" in found.methods
+
+
+def test_a_later_collection_replaces_a_name(strangers: Path) -> None:
+    write_method(strangers / "methods" / "alpha_blend", METHOD)
+    found = Collection.load([strangers])
+    assert "strength" in found.methods["alpha_blend"].parameters
+
+
+def test_a_broken_plugin_hurts_only_who_asks(strangers: Path) -> None:
+    found = Collection.load([strangers])
+    assert "broken" in list(found.methods)
+    assert found.truth().name == "a_buffer"
+    with pytest.raises(DeclarationError, match=r"broken/method\.py: ModuleNotFoundError"):
+        found.expand_methods(["broken"])
+    with pytest.raises(DeclarationError, match=r"scenes/broken\.py: SyntaxError"):
+        found.build_scene("broken")
+    with pytest.raises(DeclarationError, match=r"reports/broken\.py"):
+        found.reports["broken"]
+
+
+def test_a_method_is_taken_from_a_folder_by_its_path(strangers: Path) -> None:
+    folder = strangers / "methods" / "mine"
+    (mine,) = Collection.load().expand_methods([f"{folder}[strength=7]"])
+    assert mine.label == "mine[strength=7]"
+
+
+def test_a_relative_path_is_taken_from_where_one_stands(
+    strangers: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(strangers / "methods")
+    (mine,) = Collection.load().expand_methods(["mine"])
+    assert mine.name == "mine"
+
+
+def test_folders_whose_names_differ_in_signs_alone_are_kept_apart(tmp_path: Path) -> None:
+    folders = [write_method(tmp_path / name, METHOD) for name in ("my-way", "my_way", "my.way")]
+    found = Collection.load().expand_methods([str(folder) for folder in folders])
+    assert [folder_of(type(item)) for item in found] == folders
+
+
+def test_names_and_paths_that_lead_nowhere_are_told(tmp_path: Path) -> None:
+    found = Collection.load()
+    with pytest.raises(UsageError, match="unknown method 'a_bufer'; did you mean a_buffer"):
+        found.expand_methods(["a_bufer"])
+    with pytest.raises(UsageError, match="unknown scene 'layers_stack'; did you mean layer_stack"):
+        found.build_scene("layers_stack")
+    with pytest.raises(UsageError, match=r"is no method; it has no method\.py"):
+        found.expand_methods([str(tmp_path / "nowhere")])
+    with pytest.raises(UsageError, match="is no collection"):
+        Collection.load([tmp_path / "nowhere"])
+    with pytest.raises(UsageError, match="stands for 2 scenes; name one"):
+        found.build_scene("layer_stack[count=1,2]")
+
+
+def test_a_file_must_define_exactly_one_method(tmp_path: Path) -> None:
+    none = write_method(tmp_path / "none", "")
+    two = write_method(tmp_path / "two", "class A(Method): pass\nclass B(Method): pass\n")
+    for folder, count in ((none, 0), (two, 2)):
+        with pytest.raises(DeclarationError, match=f"defines {count} methods; define exactly one"):
+            Collection.load().add_method(folder)
+
+
+def test_a_scene_must_say_what_it_can_be_asked_for(strangers: Path) -> None:
+    (strangers / "scenes" / "silent.py").write_text("def build() -> None: ...\n")
+    with pytest.raises(DeclarationError, match=r"silent\.py: defines no 'parameters'"):
+        Collection.load([strangers]).build_scene("silent")
+
+
+def test_an_installed_package_brings_its_collection(
+    strangers: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    package = tmp_path / "site"
+    (package / "strange").mkdir(parents=True)
+    (package / "strange" / "__init__.py").write_text(f"FOLDER = {str(strangers)!r}\n")
+    facts = package / "strange-1.0.dist-info"
+    facts.mkdir()
+    (facts / "METADATA").write_text("Metadata-Version: 2.1\nName: strange\nVersion: 1.0\n")
+    (facts / "entry_points.txt").write_text("[oitbench.collections]\nstrange = strange:FOLDER\n")
+    monkeypatch.syspath_prepend(str(package))
+    found = Collection.load()
+    assert strangers in found.folders
+    assert "mine" in found.methods
+
+
+def test_underscored_and_hidden_files_are_no_plugins(strangers: Path) -> None:
+    (strangers / "scenes" / "_helpers.py").write_text("")
+    write_method(strangers / "methods" / "_draft", METHOD)
+    found = Collection.load([strangers])
+    assert "_helpers" not in found.scenes
+    assert "_draft" not in found.methods
