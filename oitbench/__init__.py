@@ -6,7 +6,7 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 from oitbench.effects import Effect
-from oitbench.method.declaration import (
+from oitbench.method.blending import (
     ADD,
     ATTENUATE,
     COMPOSITE,
@@ -18,41 +18,34 @@ from oitbench.method.declaration import (
     REPLACE,
     UNDER,
     Blend,
-    Buffer,
-    Draws,
     Equation,
     Factor,
-    Interleaved,
-    Items,
-    Loop,
-    Method,
-    Objects,
-    Order,
-    Pass,
-    Step,
-    Target,
 )
+from oitbench.method.declaration import Method, Plan, Request
+from oitbench.method.formats import float_format
+from oitbench.method.passes import Gather, Interleaved, Loop, Objects, Order, Resolve, Step
+from oitbench.method.promises import promise
+from oitbench.method.storage import Buffer, Items, Target
 from oitbench.parameters import Parameter
 
 if TYPE_CHECKING:
     from oitbench.matrix.picture import render
-    from oitbench.matrix.run import execute as run
+    from oitbench.matrix.run import run
     from oitbench.results.comparison import compare
 
 __version__ = "0.1.0"
 
-# The verbs of the command line; what renders is imported when it is called.
-_VERBS = {
-    "run": ("oitbench.matrix.run", "execute"),
-    "render": ("oitbench.matrix.picture", "render"),
-    "compare": ("oitbench.results.comparison", "compare"),
+# The functions behind the command line are imported when they are first used.
+_FUNCTIONS = {
+    "run": "oitbench.matrix.run",
+    "render": "oitbench.matrix.picture",
+    "compare": "oitbench.results.comparison",
 }
 
 
 def __getattr__(name: str) -> Any:
-    if name in _VERBS:
-        module, function = _VERBS[name]
-        return getattr(importlib.import_module(module), function)
+    if name in _FUNCTIONS:
+        return getattr(importlib.import_module(_FUNCTIONS[name]), name)
     raise AttributeError(f"module 'oitbench' has no attribute '{name}'")
 
 
@@ -69,10 +62,10 @@ __all__ = [
     "UNDER",
     "Blend",
     "Buffer",
-    "Draws",
     "Effect",
     "Equation",
     "Factor",
+    "Gather",
     "Interleaved",
     "Items",
     "Loop",
@@ -80,11 +73,15 @@ __all__ = [
     "Objects",
     "Order",
     "Parameter",
-    "Pass",
+    "Plan",
+    "Request",
+    "Resolve",
     "Step",
     "Target",
     "__version__",
     "compare",
+    "float_format",
+    "promise",
     "render",
     "run",
 ]

@@ -1,4 +1,4 @@
-"""Parameters, and the `NAME[param=v,w]` notation that selects plugins from the command line."""
+"""Parameters, and the notation `NAME[param=v,w]` that selects plugins on the command line."""
 
 from __future__ import annotations
 
@@ -6,52 +6,64 @@ import itertools
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from typing import Any, Generic, TypeVar, overload
 
 from oitbench.errors import UsageError, unknown
 
 Value = bool | int | float | str
+V = TypeVar("V", bool, int, float, str)
 _PATTERN = re.compile(r"^(?P<name>[^\[\]]+?)(?:\[(?P<body>[^\[\]]*)\])?$")
 
 
 @dataclass(frozen=True)
-class Parameter:
-    """One knob of a method or a scene.
+class Parameter(Generic[V]):
+    """A parameter of a method or of a scene.
+
+    As a class attribute of a method, it has the type of its value on instances.
 
     Parameters
     ----------
     default : bool, int, float or str
-        The value when nothing is said; its type is the parameter's type.
+        Its type is the type of the parameter.
     choices : tuple, optional
-        The only values allowed.
+        The only allowed values.
     low, high : float, optional
         Inclusive bounds of a number.
     grid : tuple, optional
-        The values that the larger presets run; the default alone without.
+        Values that the larger presets run. Default: `default` alone.
     help : str
         Meaning and unit, in one line.
     """
 
-    default: Value
-    choices: tuple[Value, ...] = ()
+    default: V
+    choices: tuple[V, ...] = ()
     low: float | None = None
     high: float | None = None
-    grid: tuple[Value, ...] = ()
+    grid: tuple[V, ...] = ()
     help: str = ""
 
-    def parse(self, owner: str, name: str, text: str) -> Value:
-        """Turn `text` from the command line into a checked value."""
-        kind = type(self.default)
+    @overload
+    def __get__(self, instance: None, owner: type) -> Parameter[V]: ...
+
+    @overload
+    def __get__(self, instance: object, owner: type) -> V: ...
+
+    def __get__(self, instance: object | None, owner: type) -> Parameter[V] | V:
+        """Return the parameter itself: instances store its value under the same name."""
+        return self
+
+    def parse(self, owner: str, name: str, text: str) -> V:
+        """Convert `text` from the command line to a checked value."""
+        kind: Any = type(self.default)
         try:
-            value: Value = (
-                {"true": True, "false": False}[text.lower()] if kind is bool else kind(text)
-            )
+            value = {"true": True, "false": False}[text.lower()] if kind is bool else kind(text)
         except (ValueError, KeyError):
             raise UsageError(f"{owner}: {name} takes {kind.__name__}, not '{text}'") from None
         return self.check(owner, name, value)
 
-    def check(self, owner: str, name: str, value: Value) -> Value:
+    def check(self, owner: str, name: str, value: Any) -> V:
         """Return `value` in the parameter's type; raise `UsageError` if it is not allowed."""
-        kind = type(self.default)
+        kind: Any = type(self.default)
         if kind is float and isinstance(value, int) and not isinstance(value, bool):
             value = float(value)
         if type(value) is not kind:
@@ -65,23 +77,27 @@ class Parameter:
                 raise UsageError(f"{owner}: {name} is {value}; it must be at least {self.low}")
             if self.high is not None and not value <= self.high:
                 raise UsageError(f"{owner}: {name} is {value}; it must be at most {self.high}")
-        return value
+        checked: V = value
+        return checked
+
+
+AnyParameter = Parameter[Any]
 
 
 @dataclass(frozen=True)
 class Selector:
-    """A plugin's name with lists of parameter texts, as written by the user."""
+    """Name of a plugin with the values of its parameters as text, as the user wrote them."""
 
     name: str
     grid: Mapping[str, tuple[str, ...]]
 
 
 def parse(text: str) -> Selector:
-    """Parse `NAME` or `NAME[param=v,w][…]`; several parameters are split by commas too.
+    """Parse `NAME` or `NAME[param=v,w,other=x]`.
 
     Examples
     --------
-    >>> parse("painter[node=precise,compact,resolve=sorted]").grid
+    >>> parse("lists[node=precise,compact,resolve=sorted]").grid
     {'node': ('precise', 'compact'), 'resolve': ('sorted',)}
     """
     match = _PATTERN.match(text.strip())
@@ -95,14 +111,16 @@ def parse(text: str) -> Selector:
             current = grid.setdefault(key.strip(), [])
             current.append(value.strip())
         elif current is None:
-            raise UsageError(f"cannot read '{text}'; '{part}' stands before any 'param='")
+            raise UsageError(f"cannot read '{text}': '{part}' comes before the first 'param='")
         else:
             current.append(part)
     return Selector(match["name"], {key: tuple(values) for key, values in grid.items()})
 
 
-def expand(selector: Selector, parameters: Mapping[str, Parameter]) -> Iterator[dict[str, Value]]:
-    """Yield every complete assignment that `selector` stands for, defaults filled in."""
+def expand(
+    selector: Selector, parameters: Mapping[str, AnyParameter]
+) -> Iterator[dict[str, Value]]:
+    """Yield all combinations of values that `selector` selects, with defaults filled in."""
     axes: list[list[tuple[str, Value]]] = []
     for name in selector.grid:
         if name not in parameters:
@@ -119,12 +137,12 @@ def expand(selector: Selector, parameters: Mapping[str, Parameter]) -> Iterator[
         yield dict(combination)
 
 
-def variant(name: str, values: Mapping[str, Value], parameters: Mapping[str, Parameter]) -> str:
-    """Return the canonical label: the name, and only those parameters that differ from default."""
-    told = [
+def label(name: str, values: Mapping[str, Value], parameters: Mapping[str, AnyParameter]) -> str:
+    """Return the canonical label: the name with the parameters that differ from their defaults."""
+    changed = [
         f"{key}={text(value)}" for key, value in values.items() if value != parameters[key].default
     ]
-    return f"{name}[{','.join(told)}]" if told else name
+    return f"{name}[{','.join(changed)}]" if changed else name
 
 
 def text(value: Value) -> str:
@@ -134,3 +152,10 @@ def text(value: Value) -> str:
     if isinstance(value, float) and float(f"{value:g}") == value:
         return f"{value:g}"
     return str(value)
+
+
+def natural(label: str) -> tuple[tuple[int, str], ...]:
+    """Return a sort key of a label that puts 8 before 16."""
+    return tuple(
+        (int(part), "") if part.isdigit() else (-1, part) for part in re.split(r"(\d+)", label)
+    )

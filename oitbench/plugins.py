@@ -1,4 +1,4 @@
-"""Finds methods, scenes, references and reports by path, wherever the package was installed."""
+"""Finds methods, scenes and reports by path, wherever the package is installed."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any, TypeVar
 
-from oitbench import parameters as selector
+from oitbench import parameters as selectors
 from oitbench.errors import DeclarationError, OitbenchError, SceneError, UsageError, unknown
 from oitbench.method.declaration import Method
-from oitbench.parameters import Parameter, Value
+from oitbench.parameters import AnyParameter, Value
 from oitbench.scene import Scene
 
 Plugin = TypeVar("Plugin")
@@ -23,23 +23,30 @@ KINDS = ("methods", "scenes", "reference", "reports")
 
 @dataclass(frozen=True)
 class ScenePlugin:
-    """A scene's file: what it is, what it can be asked for, and how it is built.
+    """A scene's file.
 
-    `quick` tells whether the preset that should take two minutes renders it when none is named.
+    Parameters
+    ----------
+    name, doc : str
+    parameters : mapping of str to Parameter
+    build : callable
+        From a name and the values of all parameters to a `Scene`.
+    quick : bool
+        Whether the quick preset includes the scene.
     """
 
     name: str
     doc: str
-    parameters: Mapping[str, Parameter]
+    parameters: Mapping[str, AnyParameter]
     build: Callable[..., Scene]
     quick: bool = True
 
 
 class Plugins(Mapping[str, Plugin]):
-    """Plugins of one kind by name; a file is loaded when it is first asked for.
+    """Plugins of one kind by name. A file is loaded when it is first used.
 
-    So a stranger's broken file hurts only who asks for it, and listing names costs nothing.
-    Looking up a name raises `UsageError` with near names, or `DeclarationError` if its file fails.
+    So a broken file only affects those who use it, and listing names costs nothing. Looking up a
+    name raises `UsageError` with near names, or `DeclarationError` if its file fails.
     """
 
     def __init__(self, kind: str, load: Callable[[Path], Plugin]) -> None:
@@ -48,9 +55,16 @@ class Plugins(Mapping[str, Plugin]):
         self._loaded: dict[str, Plugin] = {}
 
     def add(self, name: str, path: Path) -> None:
-        """Add the plugin of `path`, or replace the one of that name."""
-        self._paths[name] = path
-        self._loaded.pop(name, None)
+        """Add the plugin of `path`.
+
+        Raises
+        ------
+        UsageError
+            Another file already has that name.
+        """
+        known = self._paths.setdefault(name, path)
+        if known != path:
+            raise UsageError(f"two {self.kind}s are named '{name}': {known} and {path}; rename one")
 
     def path(self, name: str) -> Path:
         """Return the file of the plugin `name`."""
@@ -83,12 +97,12 @@ class Collection:
     scenes : Plugins of ScenePlugin
     reports : Plugins of module
     folders : list of Path
-        Where they come from; each may have `methods`, `scenes`, `reference` and `reports`.
+        Collection folders; each may have `methods`, `scenes`, `reference`, `reports` and `glsl`.
     """
 
     def __init__(self) -> None:
-        self.methods: Plugins[type[Method]] = Plugins("method", _method_plugin)
-        self.scenes: Plugins[ScenePlugin] = Plugins("scene", _scene_plugin)
+        self.methods: Plugins[type[Method]] = Plugins("method", _load_method)
+        self.scenes: Plugins[ScenePlugin] = Plugins("scene", _load_scene)
         self.reports: Plugins[ModuleType] = Plugins("report", _load)
         self.folders: list[Path] = []
 
@@ -99,7 +113,7 @@ class Collection:
         Raises
         ------
         UsageError
-            A folder does not exist or holds none of the four kinds.
+            A folder does not exist or is no collection, or two plugins have one name.
         """
         collection = cls()
         for folder in (own_folder(), *_installed(), *map(Path, extra)):
@@ -107,10 +121,12 @@ class Collection:
         return collection
 
     def add(self, folder: Path) -> None:
-        """Add the plugins of one collection folder; a name that is known is replaced."""
+        """Add the plugins of one collection folder."""
         folder = folder.resolve()
         if not any((folder / kind).is_dir() for kind in KINDS):
             raise UsageError(f"{folder} is no collection; it has none of {', '.join(KINDS)}")
+        if folder in self.folders:
+            return
         self.folders.append(folder)
         for path in _children(folder / "methods", "*/method.py"):
             self.methods.add(path.parent.name, path)
@@ -128,69 +144,74 @@ class Collection:
         return self.methods[path.parent.name]
 
     def expand_methods(self, texts: Iterable[str]) -> list[Method]:
-        """Return every method that `NAME[param=v,w]` or `path/to/folder[param=v]` stands for."""
+        """Return all methods that the selectors `NAME[param=v,w]` or `FOLDER[param=v]` select."""
         chosen: dict[str, Method] = {}
         for text in texts:
-            parsed = selector.parse(text)
+            parsed = selectors.parse(text)
             if "/" in parsed.name or (Path(parsed.name) / "method.py").is_file():
                 method = self.add_method(Path(parsed.name))
             else:
                 method = self.methods[parsed.name]
-            parsed = selector.Selector(method.name, parsed.grid)
-            for values in selector.expand(parsed, method.parameters):
+            parsed = selectors.Selector(method.name, parsed.grid)
+            for values in selectors.expand(parsed, method.parameters):
                 item = method(**values)
                 chosen[item.label] = item
         return list(chosen.values())
 
     def expand_scenes(self, texts: Iterable[str]) -> list[str]:
-        """Return the canonical label of every scene that `NAME[param=v,w]` stands for."""
+        """Return the canonical labels of all scenes that the selectors `NAME[param=v,w]` select."""
         chosen: dict[str, None] = {}
         for text in texts:
-            parsed = selector.parse(text)
+            parsed = selectors.parse(text)
             plugin = self.scenes[parsed.name]
-            for values in selector.expand(parsed, plugin.parameters):
-                chosen[selector.variant(parsed.name, values, plugin.parameters)] = None
+            for values in selectors.expand(parsed, plugin.parameters):
+                chosen[selectors.label(parsed.name, values, plugin.parameters)] = None
         return list(chosen)
 
     def build_scene(self, text: str) -> Scene:
-        """Build the one scene that `text` stands for."""
-        parsed = selector.parse(text)
+        """Build the one scene that `text` selects.
+
+        Raises
+        ------
+        SceneError
+            The scene's own code fails, or describes something that cannot be rendered.
+        UsageError
+            The name or a parameter is unknown, or `text` selects several scenes.
+        """
+        parsed = selectors.parse(text)
         plugin = self.scenes[parsed.name]
-        assignments = list(selector.expand(parsed, plugin.parameters))
+        assignments = list(selectors.expand(parsed, plugin.parameters))
         if len(assignments) != 1:
-            raise UsageError(f"'{text}' stands for {len(assignments)} scenes; name one")
+            raise UsageError(f"'{text}' selects {len(assignments)} scenes; name one")
         values: dict[str, Value] = assignments[0]
-        label = selector.variant(parsed.name, values, plugin.parameters)
+        label = selectors.label(parsed.name, values, plugin.parameters)
         try:
             return plugin.build(name=label, **values)
         except OitbenchError:
             raise
         except Exception as error:
-            # Whose bug it is must be told; the engine goes on.
             raise SceneError(f"scene {label}: {type(error).__name__}: {error}") from error
 
     def truth(self) -> Method:
-        """Return the method that renders the exact truth, with its parameters for it."""
+        """Return the suite's own method that renders the exact truth, with its parameters for it."""
+        own = own_folder() / "methods"
         for name in self.methods:
+            if self.methods.path(name).parent.parent != own:
+                continue
             try:
                 method = self.methods[name]
             except DeclarationError:
-                continue  # whoever asks for that method will be told
+                continue  # the error is raised for those who use that method
             if method.truth is not None:
                 return method(**method.truth)
-        raise UsageError("no method serves as the exact truth; give a collection that has one")
+        raise UsageError("the suite has no method that serves as the exact truth; reinstall it")
 
 
 def own_folder() -> Path:
     """Return the suite's own collection: inside an installed package, else the checkout."""
-    package = Path(__file__).parent
+    package = Path(__file__).resolve().parent
     inside = package / "collection"
     return inside if inside.is_dir() else package.parent
-
-
-def folder_of(method: type[Method]) -> Path:
-    """Return the folder that `method` was loaded from."""
-    return Path(str(sys.modules[method.__module__].__file__)).parent
 
 
 def _installed() -> Iterator[Path]:
@@ -212,7 +233,7 @@ def _children(folder: Path, pattern: str) -> list[Path]:
 
 
 def _load(path: Path) -> ModuleType:
-    """Load a plugin's file under a private name, so that it can collide with nothing."""
+    """Load a plugin's file under a private name that no other module has."""
     # Signs become their code points, so that `my-method` and `my_method` stay two modules.
     name = "oitbench_plugin_" + "_".join(
         "".join(c if c.isalnum() else f"_{ord(c):x}_" for c in part)
@@ -231,7 +252,7 @@ def _load(path: Path) -> ModuleType:
     return module
 
 
-def _method_plugin(path: Path) -> type[Method]:
+def _load_method(path: Path) -> type[Method]:
     module = _load(path)
     found = [
         value
@@ -242,13 +263,20 @@ def _method_plugin(path: Path) -> type[Method]:
     ]
     if len(found) != 1:
         raise DeclarationError(f"{path}: defines {len(found)} methods; define exactly one")
-    method = found[0]
-    method.name = path.parent.name
+    method, folder = found[0], path.parent
+    if method.truth is not None and folder.parent != own_folder() / "methods":
+        raise DeclarationError(
+            f"{path}: only the suite's own method can be the truth; drop 'truth'"
+        )
+    method.name = folder.name
     method.__doc__ = module.__doc__
+    shared = folder.parent.parent / "glsl"
+    of_collection = folder.parent.name == "methods" and shared.is_dir()
+    method.folders = (folder, shared) if of_collection else (folder,)
     return method
 
 
-def _scene_plugin(path: Path) -> ScenePlugin:
+def _load_scene(path: Path) -> ScenePlugin:
     module = _load(path)
     for member in ("parameters", "build"):
         if not hasattr(module, member):

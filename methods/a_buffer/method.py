@@ -1,101 +1,87 @@
-"""A-buffer: every fragment is kept in a list at its pixel, then sorted and composited.
+"""A-buffer: every fragment is stored in a list at its pixel, then sorted and composited.
 
     C = sum_i alpha_i L_i prod_{j nearer than i} tau_j + C0 prod_j tau_j
 
 The only method here that is exact for any geometry, order and depth complexity. Fragments of equal
-depth are ordered by what they carry, never by arrival, so the image is the same for every order of
-the draws: bit for bit where they are sorted, to float rounding where they are not.
+depth are ordered by their content, never by arrival, so the image is the same for every order of
+the draws: bit for bit with `sorted`, to float rounding with `iterative`.
 
-Parameters
-----------
-node : what a fragment's record holds. `precise` has 32 bytes: next, depth, and alpha L and tau as
-    three floats each. `compact` has 12 bytes: next, depth, and alpha L with net opacity in RGBA8
-    (AT section 4.2); it clips radiance above one and sees grey transmission only.
-resolve : `sorted` composites the nearest records first (AT eq. 3); lists that are too long for
-    local arrays are merge-sorted in their links. `iterative` multiplies the visibility of each
-    record over all nearer ones (AT eq. 2): no local array, quadratic in list reads.
-msaa : 4 resolves each of four samples by itself, from the records whose coverage mask has it. The
-    mask is in the low four bits of the record's depth, which are left out where depths are compared
-    (AT section 4.2): depths that differ by less than two millionths of themselves count as equal.
+`precise` records take 32 bytes: next, depth, and alpha L and tau as three floats each. `compact`
+records take 12 bytes: next, depth, and alpha L with net opacity in RGBA8 (AT section 4.2).
 
-Memory 4 B/pixel + 12 (or 32) B/fragment. Records come from one counter for each screen tile of
-64 x 64 pixels: a single counter is contended by every fragment of the frame. When a tile's share
-runs out, its counter still tells what it needed and the frame is redone with enough.
+`sorted` composites the nearest records first (AT eq. 3); lists that do not fit in local arrays are
+merge-sorted in their links. `iterative` multiplies the visibility of each record over all nearer
+ones (AT eq. 2): no local array, but a quadratic number of list reads.
+
+With `msaa` 4 each of four samples is resolved from the records whose coverage mask contains it. The
+mask takes the low four bits of the record's depth, which comparisons ignore (AT section 4.2):
+depths that differ by less than two millionths of themselves count as equal.
+
+Memory 4 B/pixel + 12 (or 32) B/fragment. Records come from one counter per screen tile of 64 x 64
+pixels, since all fragments of the frame would contend for a single counter. When a tile's share is
+used up, its counter still records the demand, and the frame is repeated with enough memory.
 
 Sources: Yang et al. 2010, "Real-Time Concurrent Linked List Construction on the GPU"; Salvi et al.
 2011, "Adaptive Transparency" (AT), equations 2 and 3. The two equations differ at exactly equal
 depths; here both order ties by content and agree.
 
-Known failures: memory without bound. `compact` quantizes to 8 bits: one step of 1/255 a layer.
+Known failures: unbounded memory. `compact` quantizes to 8 bits, one step of 1/255 per layer.
 """
 
-from collections.abc import Mapping
+import math
 
-from oitbench import (
-    COMPOSITE,
-    Buffer,
-    Draws,
-    Effect,
-    Loop,
-    Method,
-    Parameter,
-    Pass,
-    Step,
-    Target,
-)
+import oitbench as oit
 from oitbench.method.kits.linked_lists import CAPTURE, LISTS, RECORD_STEPS, linked_lists
 
 _ROUNDS = 1 << 16
 
 
-class ABuffer(Method):
-    parameters = {
-        "node": Parameter(
-            "precise", choices=("precise", "compact"), grid=("precise", "compact"), help="record"
-        ),
-        "resolve": Parameter("sorted", choices=("sorted", "iterative"), help="compositing"),
-        "msaa": Parameter(1, choices=(1, 4), help="samples a pixel"),
-    }
+class ABuffer(oit.Method):
+    node = oit.Parameter(
+        "precise",
+        choices=("precise", "compact"),
+        grid=("precise", "compact"),
+        help="record; `compact` clips radiance above one and holds grey transmission only",
+    )
+    resolve = oit.Parameter("sorted", choices=("sorted", "iterative"), help="way of compositing")
+    msaa = oit.Parameter(1, choices=(1, 4), help="samples per pixel")
     truth = {"node": "precise", "resolve": "sorted", "msaa": 1}
 
     @property
-    def holds(self) -> frozenset[str]:
-        held = {"U1", "U2", "U3", "U4", "U5", "U6", "U7", "U8", "U9", "U11"}
-        # A packed record is grey and clips.
-        return frozenset(held | {"U2c", "U10"} if self.text("node") == "precise" else held)
+    def promises(self) -> frozenset[str]:
+        kept = oit.promise(
+            "single_layer_exact equal_layers_exact order_independent opaque_front_hides"
+            " total_transmittance_exact zero_coverage_ignored white_furnace two_layers_ordered"
+            " visibility_monotonic"
+        )
+        precise = oit.promise("colored_layer_exact scales_with_radiance")
+        return kept | precise if self.node == "precise" else kept
 
     @property
     def record_step(self) -> float:
-        return RECORD_STEPS[self.text("node")]
+        return RECORD_STEPS[self.node]
 
     @property
-    def expresses(self) -> Effect:
-        colored = self.text("node") == "precise"
-        return Effect.COVERAGE | (Effect.COLORED_TRANSMISSION if colored else Effect.NONE)
+    def expresses(self) -> oit.Effect:
+        colored = self.node == "precise"
+        return oit.Effect.COVERAGE | (
+            oit.Effect.COLORED_TRANSMISSION if colored else oit.Effect.NONE
+        )
 
-    @property
-    def deepest(self) -> int:
-        # n log2 n steps of merging, or a chunk of 32 against all n.
-        return 4000 if self.text("resolve") == "sorted" else 1900
+    def loop_steps(self, fragments: int) -> float:
+        # Merging takes n log2 n steps, and lists are traversed three times. Else 32 against all n.
+        depth = math.log2(max(fragments, 1)) + 3 if self.resolve == "sorted" else 34
+        return fragments * depth
 
-    @property
-    def targets(self) -> Mapping[str, Target]:
-        return {"color": Target("rgba32f" if self.text("node") == "precise" else "rgba16f")}
-
-    @property
-    def samples(self) -> int:
-        return int(self.values["msaa"])
-
-    @property
-    def buffers(self) -> Mapping[str, Buffer]:
-        return linked_lists(self.text("node"))
-
-    @property
-    def passes(self) -> tuple[Step, ...]:
-        shader = f"resolve_{self.text('resolve')}.glsl"
-        resolve = Pass(shader, Draws.PIXELS, writes={"color": COMPOSITE}, buffers=LISTS)
-        if self.text("resolve") == "iterative":
-            return (CAPTURE, Loop((resolve,), times=_ROUNDS, until_empty=resolve.name))
-        # The samples of a pixel share its list, so only one of them may sort it.
-        long = Pass("sort_long.glsl", Draws.PIXELS, buffers=LISTS)
-        return (CAPTURE, long, resolve) if self.samples > 1 else (CAPTURE, resolve)
+    def plan(self, request: oit.Request) -> oit.Plan:
+        color = oit.Target("rgba32f" if self.node == "precise" else "rgba16f")
+        resolve = oit.Resolve(
+            f"resolve_{self.resolve}.glsl", writes={"color": oit.COMPOSITE}, buffers=LISTS
+        )
+        steps: tuple[oit.Step, ...] = (CAPTURE, resolve)
+        if self.resolve == "iterative":
+            steps = (CAPTURE, oit.Loop((resolve,), times=_ROUNDS, until_empty=resolve.name))
+        elif self.msaa > 1:
+            # The samples of a pixel share its list, so only one of them may sort it.
+            steps = (CAPTURE, oit.Resolve("sort_long.glsl", buffers=LISTS), resolve)
+        return oit.Plan({"color": color}, steps, linked_lists(self.node))

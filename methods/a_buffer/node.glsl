@@ -1,6 +1,6 @@
 // The order of layers: by depth, ties by content, never by arrival. And batches of layers, held field
 // by field: llvmpipe miscompiles local arrays of structures.
-#include "list_record.glsl"
+#include "linked_lists/record.glsl"
 
 const int BATCH = 32;
 float batch_stored[BATCH];

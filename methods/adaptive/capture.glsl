@@ -1,5 +1,5 @@
 // Keeps every fragment in its pixel's list.
-#include "list_capture.glsl"
+#include "linked_lists/append.glsl"
 #include "depth.glsl"
 
 void gather(Fragment fragment) {

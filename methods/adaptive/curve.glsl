@@ -1,7 +1,7 @@
 // The visibility curve of one pixel: nodes in front-to-back order, each a depth and the
 // transmittance behind it. Empty nodes lie at FAR and carry the running total, so the last node
 // always has the total. Loops are of constant length, 32 at most: compilers unroll them.
-#include "channels.glsl"
+#include "curves/channels.glsl"
 
 const float FAR = 1.7014118346046923e38;  // 2^127, which packing leaves as it is
 const int HALF = NODES / 2;

@@ -1,177 +1,100 @@
-"""Adaptive transparency (AT): visibility as at most N steps a pixel, refined where it matters.
+"""Adaptive transparency (AT): visibility as at most N steps per pixel, kept where they matter.
 
     vis(z) = prod_{z_i < z} tau_i,    C = sum_i alpha_i L_i vis(z_i) + C0 prod_i tau_i
 
-A node is a depth and the transmittance behind it. A fragment multiplies the curve by its step; when
-N + 1 nodes are there, one is removed so that the integral of the curve changes least (AT eq. 7).
-With `under` the node in front takes over the removed one's transmittance: the curve is never above
-the truth. With `over` the node goes as a whole and the curve is never below; the last node stays,
-for it holds the total. With either the total transmittance is exact for any N, so no pass is needed
-to correct it.
+A node is a depth and the transmittance behind it. A fragment multiplies the curve by its step. When
+there are N + 1 nodes, the one is removed whose removal changes the integral of the curve least (AT
+eq. 7). With `under` the node in front takes over the transmittance of the removed one, and the
+curve never exceeds the truth. With `over` the whole node is removed, and the curve is never below
+it; the last node stays, since it holds the total. The total transmittance is exact for any N, so no
+pass is needed to correct it.
 
-Parameters
-----------
-nodes : N, 2 to 32.
-removal : `under` (the paper's choice), `over`, or `best`: whichever loses less at each removal.
-memory : `variable` keeps all fragments in lists and has the curve in local memory. `fixed` has it
-    in targets: one geometry pass of programmable blending builds it, another composites against it.
-depth : `linear` view distance (m) or `window` depth, in which the removal measures its areas.
-channels : `grey` has one curve, of the mean transmittance over the channels. `rgb` has one for each
-    channel, made and used one after another: three rounds instead of three times the storage.
-node : the record of a list, as of an A-buffer: `compact` clips radiance above one and has 8 bits a
-    value. `fixed` has nothing to do with it.
-msaa : 4 renders each of four samples by itself: lists have coverage masks in the low four bits of
-    depth (AT section 4.2), targets four times the texels.
+`variable` stores all fragments in lists and keeps the curve in local memory. `fixed` keeps it in
+targets: one geometry pass of programmable blending builds it, another composites against it. `rgb`
+builds and uses one curve per channel, in three rounds instead of three times the storage. With
+`msaa` 4 each of four samples is rendered separately: lists have coverage masks in the low four bits
+of depth (AT section 4.2), targets have four times the texels.
 
-Memory, `variable`: 4 B/pixel + 12 B/fragment (16 with `rgb`, 32 with `precise`). `fixed`: 8 B a
-node and pixel, two floats, up to 16 nodes; beyond, 4 B a node, with 24 bits of depth and 8 bits of
+Memory, `variable`: 4 B/pixel + 12 B/fragment (16 with `rgb`, 32 with `precise`). `fixed`: 8 B per
+node and pixel, two floats, up to 16 nodes; above, 4 B per node, with 24 bits of depth and 8 bits of
 transmittance.
 
-Source: Salvi, Montgomery & Lefohn 2011, "Adaptive Transparency". Fragments are inserted in the
-order of submission. The paper's curve is strict (H(0) = 0, eq. 5), and so is this one: layers at
-exactly one depth do not hide each other, where the recursion of eq. 3 has one hide the other.
+Source: Salvi, Montgomery & Lefohn 2011, "Adaptive Transparency". Fragments are inserted in
+submission order. The paper's curve is strict (H(0) = 0, eq. 5), and so is this one: layers of
+exactly equal depth do not hide each other, whereas in the recursion of eq. 3 one hides the other.
 
-Known failures: more than N layers darken (`under`) or brighten (`over`) the picture, and then the
-order of submission shows. Many faint layers of like strength darken most, because the area of each
-removal is small and their sum is not. Coplanar layers come out too bright. Packed nodes round
+Known failures: more than N layers darken (`under`) or brighten (`over`) the picture, which then
+depends on the order of submission. Many faint layers of similar strength darken most: the area of
+each removal is small, but their sum is not. Coplanar layers are too bright. Packed nodes round
 transmittance to 1/255 at each insertion, so layers that hide less than half a step leave no trace:
-of hundreds of faint layers, 32 packed nodes show far less than 16 of floats. Against the paper's
-ranking, 16 nodes err more than 16 stochastic samples on the 650-layer lists of the tests (mean
-error 0.022 against 0.013); 32 nodes err less than 64 samples.
+of hundreds of faint layers, 32 packed nodes show far less than 16 float nodes. Contrary to the
+paper's ranking, 16 nodes err more than 16 stochastic samples on the 650-layer lists of the tests
+(mean error 0.022 against 0.013); 32 nodes err less than 64 samples.
 """
 
-from collections.abc import Mapping
-
-from oitbench import (
-    ADD,
-    COMPOSITE,
-    MODULATE,
-    PROGRAMMABLE,
-    Buffer,
-    Draws,
-    Effect,
-    Loop,
-    Method,
-    Parameter,
-    Pass,
-    Step,
-    Target,
-)
-from oitbench.method.kits.linked_lists import LISTS, RECORD_STEPS, REVERSE, linked_lists
+import oitbench as oit
+from oitbench.method.kits.curves import CurveMethod
+from oitbench.method.kits.linked_lists import LISTS, RECORD_STEPS, REVERSE
 
 _FAR, _FAR_PACKED = 2.0**127, 0xFE0000FF  # nodes that hide nothing
 _MOST_FLOAT_NODES = 16
 
 
-class Adaptive(Method):
-    parameters = {
-        "nodes": Parameter(8, low=2, high=32, grid=(4, 8, 16), help="steps of a curve"),
-        "removal": Parameter("under", choices=("under", "over", "best"), help="how nodes go"),
-        "memory": Parameter(
-            "variable", choices=("variable", "fixed"), grid=("variable", "fixed"), help="storage"
-        ),
-        "depth": Parameter("linear", choices=("linear", "window"), help="depth of the curve"),
-        "channels": Parameter("grey", choices=("grey", "rgb"), help="one curve, or three"),
-        "node": Parameter("compact", choices=("compact", "precise"), help="record of a list"),
-        "msaa": Parameter(1, choices=(1, 4), help="samples a pixel"),
-    }
+class Adaptive(CurveMethod):
+    nodes = oit.Parameter(8, low=2, high=32, grid=(4, 8, 16), help="N, steps of a curve")
+    removal = oit.Parameter(
+        "under",
+        choices=("under", "over", "best"),
+        help="way to remove a node: `under` as in the paper, `best` of both at each removal",
+    )
+    depth = oit.Parameter(
+        "linear", choices=("linear", "window"), help="of the curve: view distance in m, or window"
+    )
+    traversals = 2
 
     @property
-    def holds(self) -> frozenset[str]:
-        held = {"U1", "U2", "U6", "U7", "U9", "U11"}
-        held |= {"U2c"} if self._tinted else set()
-        # Underestimates hide all that lies behind an opaque layer.
-        held |= {"U5"} if self.text("removal") == "under" else set()
-        return frozenset(held | ({"U10"} if self._precise else set()))
+    def promises(self) -> frozenset[str]:
+        kept = oit.promise(
+            "single_layer_exact total_transmittance_exact zero_coverage_ignored two_layers_ordered"
+            " visibility_monotonic"
+        )
+        kept |= oit.promise("colored_layer_exact" if self.tinted else "")
+        # Underestimates hide everything behind an opaque layer.
+        kept |= oit.promise("opaque_front_hides" if self.removal == "under" else "")
+        return kept | oit.promise("scales_with_radiance" if self.precise else "")
+
+    @property
+    def packed(self) -> bool:
+        return self.fixed and self.nodes > _MOST_FLOAT_NODES
 
     @property
     def record_step(self) -> float:
-        packed = "compact" if self._packed else "precise"
-        return RECORD_STEPS[packed if self._fixed else self.text("node")]
+        return RECORD_STEPS["compact"] if self.packed else super().record_step
 
     @property
-    def expresses(self) -> Effect:
-        return Effect.COVERAGE | (Effect.COLORED_TRANSMISSION if self._tinted else Effect.NONE)
+    def list_steps(self) -> tuple[oit.Step, ...]:
+        capture = oit.Gather("capture.glsl", buffers=LISTS)
+        resolve = oit.Resolve("resolve.glsl", writes={"color": oit.COMPOSITE}, buffers=LISTS)
+        return (capture, REVERSE, *self.rounds(resolve))
 
     @property
-    def samples(self) -> int:
-        return int(self.values["msaa"])
-
-    @property
-    def deepest(self) -> int | None:
-        # Two traversals of a list in one shader.
-        return None if self._fixed else 32_000
-
-    @property
-    def targets(self) -> Mapping[str, Target]:
-        color = {"color": Target("rgba32f" if self._precise else "rgba16f")}
-        nodes = Target("rgba32f", clear=(_FAR, 1.0, _FAR, 1.0))
-        if self._packed:
-            nodes = Target("rgba32ui", clear=(_FAR_PACKED,) * 4)
-        return {**color, **dict.fromkeys(self._nodes, nodes)}
-
-    @property
-    def buffers(self) -> Mapping[str, Buffer]:
-        return {} if self._fixed else linked_lists(self.text("node"), self._tinted)
-
-    @property
-    def passes(self) -> tuple[Step, ...]:
-        return self._fixed_passes if self._fixed else self._variable_passes
-
-    @property
-    def _variable_passes(self) -> tuple[Step, ...]:
-        capture = Pass("capture.glsl", Draws.FRAGMENTS, buffers=LISTS)
-        resolve = Pass("resolve.glsl", Draws.PIXELS, writes={"color": COMPOSITE}, buffers=LISTS)
-        return (capture, REVERSE, *self._rounds(resolve))
-
-    @property
-    def _fixed_passes(self) -> tuple[Step, ...]:
-        defines = {"TARGETS": len(self._nodes), **({"PACKED": 1} if self._packed else {})}
-        build = Pass(
+    def fixed_plan(self) -> oit.Plan:
+        count = -(-self.nodes // (4 if self.packed else 2))
+        nodes = tuple(f"nodes{i}" for i in range(count))
+        texel = oit.Target("rgba32f", clear=(_FAR, 1.0, _FAR, 1.0))
+        if self.packed:
+            texel = oit.Target("rgba32ui", clear=(_FAR_PACKED,) * 4)
+        defines = {"TARGETS": count, **({"PACKED": 1} if self.packed else {})}
+        build = oit.Gather(
             "build.glsl",
-            Draws.FRAGMENTS,
-            writes=dict.fromkeys(self._nodes, PROGRAMMABLE),
-            clears=self._nodes if self._tinted else (),
+            writes=dict.fromkeys(nodes, oit.PROGRAMMABLE),
+            clears=nodes if self.tinted else (),
             defines=defines,
         )
-        attenuate = Pass(
-            "attenuate.glsl",
-            Draws.PIXELS,
-            reads=self._nodes,
-            writes={"color": MODULATE},
-            defines=defines,
+        attenuate = oit.Resolve(
+            "attenuate.glsl", reads=nodes, writes={"color": oit.MODULATE}, defines=defines
         )
-        composite = Pass(
-            "composite.glsl",
-            Draws.FRAGMENTS,
-            reads=self._nodes,
-            writes={"color": ADD},
-            defines=defines,
+        composite = oit.Gather(
+            "composite.glsl", reads=nodes, writes={"color": oit.ADD}, defines=defines
         )
-        return self._rounds(build, attenuate, composite)
-
-    def _rounds(self, *passes: Pass) -> tuple[Step, ...]:
-        return (Loop(passes, times=3),) if self._tinted else passes
-
-    @property
-    def _nodes(self) -> tuple[str, ...]:
-        """The targets that hold nodes."""
-        per_target = 4 if self._packed else 2
-        count = -(-int(self.values["nodes"]) // per_target) if self._fixed else 0
-        return tuple(f"nodes{i}" for i in range(count))
-
-    @property
-    def _fixed(self) -> bool:
-        return self.text("memory") == "fixed"
-
-    @property
-    def _packed(self) -> bool:
-        return self._fixed and int(self.values["nodes"]) > _MOST_FLOAT_NODES
-
-    @property
-    def _precise(self) -> bool:
-        return self._fixed or self.text("node") == "precise"
-
-    @property
-    def _tinted(self) -> bool:
-        return self.text("channels") == "rgb"
+        return oit.Plan(dict.fromkeys(nodes, texel), self.rounds(build, attenuate, composite))

@@ -1,5 +1,5 @@
 // Builds the curve from a list, then composites the list against it (AT section 4.1).
-#include "list_record.glsl"
+#include "linked_lists/record.glsl"
 #include "curve.glsl"
 
 void resolve() {

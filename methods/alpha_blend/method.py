@@ -2,28 +2,26 @@
 
     color <- alpha L + (1 - o) color,    o = alpha (1 - mean t)
 
-The fastest picture there is, and the unit of every cost ratio: one pass, one blended target, no
-sort. Right for one layer, or where submission happens to run from far to near.
-
-Parameters: `precision` of the color, `half` or `float`.
+The fastest picture, and the unit of every cost ratio: one pass, one blended target, no sort. It is
+exact for one layer, and where the submission happens to run from far to near.
 
 Source: Porter & Duff 1984, "Compositing Digital Images", SIGGRAPH.
 
-Known failures: the image changes with the order of the draws; colored transmission turns grey; a
-half float stops changing where what a layer adds is below 1/2048 of it.
+Known failures: the image depends on the order of the draws. Colored transmission turns grey. A half
+float stops changing where a layer adds less than 1/2048 of it.
 """
 
-from collections.abc import Mapping
-
-from oitbench import OVER, Draws, Effect, Method, Parameter, Pass, Target
+import oitbench as oit
 
 
-class AlphaBlend(Method):
-    expresses = Effect.COVERAGE
-    parameters = {"precision": Parameter("half", choices=("half", "float"), help="of every target")}
-    holds = frozenset({"U1", "U2", "U3", "U6", "U7", "U8", "U10"})
-    passes = (Pass("over.glsl", Draws.FRAGMENTS, writes={"color": OVER}),)
+class AlphaBlend(oit.Method):
+    expresses = oit.Effect.COVERAGE
+    precision = oit.Parameter("half", choices=("half", "float"), help="number format of the color")
+    promises = oit.promise(
+        "single_layer_exact equal_layers_exact total_transmittance_exact zero_coverage_ignored"
+        " white_furnace scales_with_radiance"
+    )
 
-    @property
-    def targets(self) -> Mapping[str, Target]:
-        return {"color": Target({"half": "rgba16f", "float": "rgba32f"}[self.text("precision")])}
+    def plan(self, request: oit.Request) -> oit.Plan:
+        color = oit.Target(oit.float_format("rgba", self.precision))
+        return oit.Plan({"color": color}, (oit.Gather("over.glsl", writes={"color": oit.OVER}),))

@@ -1,102 +1,73 @@
-"""Dual depth peeling: each geometry pass peels the nearest and the farthest layer that are left.
+"""Dual depth peeling: each geometry pass peels the nearest and the farthest remaining layer.
 
     front <- front + (1 - A) (alpha L, o),    back <- (alpha L, o) + (1 - o) back
     C = front + (1 - A_front) (back + (1 - A_back) C0)
 
-with A the fourth channel. A geometry pass composites the fragments at the two depths that the pass
-before has found, and finds the next two with a maximum of (-depth, depth) over the fragments
+A is the fourth channel. A geometry pass composites the fragments at the two depths that the
+previous pass found, and finds the next two as the maximum of (-depth, depth) over the fragments
 between them. Depths are compared bit for bit, near before far, so an odd last layer is taken once.
-Colored transmission has its own opacity a channel, o = 1 - tau, and three fronts and backs. Peeling
-ends after the first pass that passes no sample: n/2 + 2 geometry passes for n layers.
+Colored transmission has one opacity per channel, o = 1 - tau, and three fronts and backs. Peeling
+ends after the first pass in which no sample passes: n/2 + 2 geometry passes for n layers.
 
-Parameters
-----------
-layers : the most layers to peel, 0 for all. Each pass takes two, so odd numbers are rounded up, and
-    what remains unseen lies in the middle of the stack. What covers nothing is no layer.
+Each pass takes two layers, so an odd number of `layers` is rounded up, and the layers that remain
+unseen lie in the middle of the stack. Fragments with zero coverage are not layers.
 
 Memory 48 B/pixel; 112 where transmission is colored.
 
 Source: Bavoil & Myers 2008, "Order Independent Transparency with Dual Depth Peeling", NVIDIA. There
-all targets blend by maximum, so the front is carried from pass to pass in two textures, and the far
-layer takes another pass over the screen. Where each target has a blend function of its own, front
-and back are composited at once by the operators under and over, and fragments of equal depth all
-count, where a maximum would merge them: their total transmittance is exact and their order is that
-of the draws.
+all targets blend by maximum, so two textures carry the front from pass to pass, and the far layer
+takes another pass over the screen. Here each target has its own blend function: front and back are
+composited at once by the operators under and over, and all fragments of equal depth count, where a
+maximum would merge them. Their total transmittance is exact, and their order is that of the draws.
 
-Known failures: at exactly equal depths the order is not that of any rule. Window depth is a float:
-layers nearer to each other than its step, at z metres 6e-8 z^2 / near, count as equal. The number
-of geometry passes grows with the depth complexity.
+Known failures: at exactly equal depths the order follows no rule. Window depth is a float: layers
+that are closer than its step, 6e-8 z^2 / near at z metres, count as equal. The number of geometry
+passes grows with the depth complexity.
 """
 
-from collections.abc import Mapping
-
-from oitbench import (
-    COMPOSITE,
-    MAXIMUM,
-    OVER,
-    UNDER,
-    Draws,
-    Effect,
-    Loop,
-    Method,
-    Parameter,
-    Pass,
-    Step,
-    Target,
-)
+import oitbench as oit
 
 _ALL = 1 << 17
-_TINTED = Effect.COLORED_TRANSMISSION
 
 
-class DualDepthPeeling(Method):
+class DualDepthPeeling(oit.Method):
     quick = False
-    expresses = Effect.COVERAGE | Effect.COLORED_TRANSMISSION
-    parameters = {"layers": Parameter(0, low=0, help="most layers to peel, 0 for all")}
+    expresses = oit.Effect.COVERAGE | oit.Effect.COLORED_TRANSMISSION
+    layers = oit.Parameter(0, low=0, help="largest number of layers to peel, 0 for all")
 
     @property
-    def holds(self) -> frozenset[str]:
-        held = {"U1", "U2", "U2c", "U4", "U5", "U7", "U8", "U9", "U10"}
-        return frozenset(held if self.values["layers"] else held | {"U3", "U6", "U11"})
+    def promises(self) -> frozenset[str]:
+        kept = oit.promise(
+            "single_layer_exact colored_layer_exact order_independent opaque_front_hides"
+            " zero_coverage_ignored white_furnace two_layers_ordered scales_with_radiance"
+        )
+        every = oit.promise("equal_layers_exact total_transmittance_exact visibility_monotonic")
+        return kept if self.layers else kept | every
 
-    @property
-    def targets(self) -> Mapping[str, Target]:
-        edges = Target("rg32f", clear=(-1.0,))
-        layers = {f"{name}0": Target("rgba32f") for name in ("front", "back")}
-        tints = {
-            f"{name}{i}": Target("rgba32f", when=_TINTED)
-            for name in ("front", "back")
-            for i in (1, 2)
-        }
-        return {"bounds": edges, "edges": edges, **layers, **tints}
-
-    @property
-    def passes(self) -> tuple[Step, ...]:
-        fronts, backs = (tuple(f"{name}{i}" for i in range(3)) for name in ("front", "back"))
-        peel = Pass(
+    def plan(self, request: oit.Request) -> oit.Plan:
+        curves = 3 if oit.Effect.COLORED_TRANSMISSION in request.effects else 1
+        fronts, backs = (tuple(f"{name}{i}" for i in range(curves)) for name in ("front", "back"))
+        edges, layer = oit.Target("rg32f", clear=(-1.0,)), oit.Target("rgba32f")
+        peel = oit.Gather(
             "peel.glsl",
-            Draws.FRAGMENTS,
             reads=("edges",),
             writes={
-                "bounds": MAXIMUM,
-                **dict.fromkeys(fronts, UNDER),
-                **dict.fromkeys(backs, OVER),
+                "bounds": oit.MAXIMUM,
+                **dict.fromkeys(fronts, oit.UNDER),
+                **dict.fromkeys(backs, oit.OVER),
             },
             clears=("bounds",),
         )
-        loop = Loop(
+        loop = oit.Loop(
             (peel,),
-            times=-(-int(self.values["layers"]) // 2) or _ALL,
+            times=-(-self.layers // 2) or _ALL,
             until_empty=peel.name,
             swaps=(("bounds", "edges"),),
         )
-        return (
-            Pass("find.glsl", Draws.FRAGMENTS, writes={"edges": MAXIMUM}),
-            loop,
-            Pass(
-                "combine.glsl",
-                Draws.PIXELS,
-                reads=(*fronts, *backs),
-                writes={"color": COMPOSITE},
-            ),
+        combine = oit.Resolve(
+            "combine.glsl", reads=(*fronts, *backs), writes={"color": oit.COMPOSITE}
+        )
+        return oit.Plan(
+            {"bounds": edges, "edges": edges, **dict.fromkeys((*fronts, *backs), layer)},
+            (oit.Gather("find.glsl", writes={"edges": oit.MAXIMUM}), loop, combine),
         )

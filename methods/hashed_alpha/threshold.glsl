@@ -1,5 +1,5 @@
 // A number uniform in [0, 1] that belongs to a place in the scene; Wyman & McGuire 2017.
-#include "random.glsl"
+#include "oitbench/random.glsl"
 
 float hash_cell(vec3 cell) {
     return unit_interval(hash(uvec3(ivec3(floor(cell)))).x);

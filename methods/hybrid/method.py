@@ -4,68 +4,43 @@
     tail:  S = sum_{i>=k} (alpha_i L_i, o_i),    m = number with o > 0,    T' = (1 - S.a / m)^m
     C = c + T (S.rgb / S.a (1 - T') + T' C0)
 
-One geometry pass of programmable blending: a fragment is inserted by depth, and the farthest of
-k + 1 falls out into the tail. Which fragments are core depends on their depths alone, so the order
-of the draws does not matter but for the rounding of the tail's sums; up to k layers are exact.
+One geometry pass of programmable blending inserts fragments by depth; the farthest of k + 1 is
+added to the tail. Depths alone decide which fragments belong to the core, so the order of the draws
+only affects the rounding of the tail's sums. Up to k layers are exact.
 
-Parameters
-----------
-k : nodes a pixel.
-node : format of a node's alpha L and net opacity: `8-bit` (RGBA8) or `16f`; its depth is a float.
-    8-bit nodes clip radiance above one, and layers with o < 1/510 vanish, in the tail as well.
+Memory 64 k + 80 bits/pixel, 96 k + 80 with `16f`: nodes (alpha L, net opacity and a float depth), a
+sum in RGBA16F and a count in R16F; 32 bits more where the driver only offers a spin lock.
 
-Memory 64 k + 80 bits/pixel, 96 k + 80 with `16f`: nodes, a sum in RGBA16F and a count in R16F; 32
-bits more where the driver offers a spin lock alone.
+Source: Maule et al. 2013, "Hybrid Transparency", I3D; the tail is that of Bavoil & Myers 2008.
 
-Source: Maule et al. 2013, "Hybrid Transparency", I3D; the tail is Bavoil & Myers 2008.
-
-Known failures: within the tail order is lost, and it transmits too much, as (1 - mean o)^m is never
-less than the product. Transmission is seen in grey.
+Known failures: the tail ignores order and transmits too much, since (1 - mean o)^m is never less
+than the product. Transmission is grey.
 """
 
-from collections.abc import Mapping
-
-from oitbench import (
-    OVER,
-    PROGRAMMABLE,
-    Draws,
-    Effect,
-    Method,
-    Parameter,
-    Pass,
-    Step,
-    Target,
-)
-from oitbench.method.kits.bounded_nodes import STEPS, node_targets
+import oitbench as oit
+from oitbench.method.kits.bounded_nodes import BoundedNodes, node_targets
 
 
-class Hybrid(Method):
+class Hybrid(BoundedNodes):
     quick = False
-    expresses = Effect.COVERAGE
-    parameters = {
-        "k": Parameter(4, choices=(2, 4, 8), grid=(4, 8), help="nodes a pixel"),
-        "node": Parameter("8-bit", choices=("8-bit", "16f"), help="format of a node's color"),
-    }
+    k = oit.Parameter(4, choices=(2, 4, 8), grid=(4, 8), help="nodes per pixel")
+    node = oit.Parameter(
+        "8-bit",
+        choices=("8-bit", "16f"),
+        help="node's color; 8 bits clip radiance above one and lose layers with o < 1/510",
+    )
 
     @property
-    def holds(self) -> frozenset[str]:
-        held = {"U1", "U2", "U3", "U4", "U5", "U7", "U8", "U9"}
-        # Nodes of 8 bits clip.
-        return frozenset(held if self.text("node") == "8-bit" else held | {"U10"})
-
-    @property
-    def record_step(self) -> float:
-        return STEPS[self.text("node")]
-
-    @property
-    def targets(self) -> Mapping[str, Target]:
-        nodes = node_targets(int(self.values["k"]), self.text("node"))
-        return {**nodes, "tail": Target("rgba16f"), "count": Target("r16f")}
-
-    @property
-    def passes(self) -> tuple[Step, ...]:
-        names = tuple(self.targets)
-        return (
-            Pass("insert.glsl", Draws.FRAGMENTS, writes=dict.fromkeys(names, PROGRAMMABLE)),
-            Pass("resolve.glsl", Draws.PIXELS, reads=names, writes={"color": OVER}),
+    def promises(self) -> frozenset[str]:
+        kept = oit.promise(
+            "single_layer_exact equal_layers_exact order_independent opaque_front_hides"
+            " zero_coverage_ignored white_furnace two_layers_ordered"
         )
+        return kept | oit.promise("" if self.node == "8-bit" else "scales_with_radiance")
+
+    def plan(self, request: oit.Request) -> oit.Plan:
+        tail = {"tail": oit.Target("rgba16f"), "count": oit.Target("r16f")}
+        targets = {**node_targets(self.k, self.node), **tail}
+        insert = oit.Gather("insert.glsl", writes=dict.fromkeys(targets, oit.PROGRAMMABLE))
+        resolve = oit.Resolve("resolve.glsl", reads=tuple(targets), writes={"color": oit.OVER})
+        return oit.Plan(targets, (insert, resolve))

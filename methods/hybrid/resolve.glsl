@@ -1,5 +1,5 @@
 // The core over the tail's weighted average over the background.
-#include "bounded_composite.glsl"
+#include "bounded_nodes/composite.glsl"
 
 void resolve() {
     vec4 core = composite_nodes();

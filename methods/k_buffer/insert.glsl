@@ -1,5 +1,5 @@
 // Keeps the K nearest fragments. What hides nothing takes no node.
-#include "bounded_insert.glsl"
+#include "bounded_nodes/insert.glsl"
 
 void gather(Fragment fragment) {
     Node node = node_of(fragment);

@@ -1,72 +1,40 @@
-"""k-buffer: the k nearest fragments of each pixel, sorted; what lies beyond them is dropped.
+"""k-buffer: the k nearest fragments of each pixel, sorted; all others are dropped.
 
     C = sum_{i<k} alpha_i L_i prod_{j<i} (1 - o_j) + C0 prod_{j<k} (1 - o_j)
 
-One geometry pass of programmable blending: a fragment is inserted by depth, and the farthest of
-k + 1 falls out. The result is that of the first k layers whatever the order of the draws; equal
-depths are ordered by what the nodes hold.
+One geometry pass of programmable blending inserts fragments by depth; the farthest of k + 1 is
+dropped. The result is that of the first k layers for any order of the draws; equal depths are
+ordered by the content of the nodes.
 
-Parameters
-----------
-k : nodes a pixel.
-node : format of a node's alpha L and net opacity: `8-bit` (RGBA8), `16f` or `32f`; its depth is a
-    float. 8-bit nodes clip radiance above one, and layers with o < 1/510 vanish.
-
-Memory 64 k bits/pixel, 96 k with `16f`, 160 k with `32f`; 32 bits more where the driver offers a
-spin lock alone. Published figures of 64 k + 64 hold a count of nodes too: here empty nodes have the
-largest depth instead. OpenGL promises eight targets a pass: 16 nodes of 8 bits, 8 of `16f`, 4 of
-`32f`.
+Memory 64 k bits/pixel, 96 k with `16f`, 160 k with `32f`: nodes with alpha L, net opacity and a
+float depth; 32 bits more where the driver only offers a spin lock. Published figures of 64 k + 64
+include a count of nodes; here empty nodes have the largest depth instead. OpenGL guarantees eight
+targets per pass: 16 nodes of 8 bits, 8 of `16f`, 4 of `32f`.
 
 Sources: Bavoil et al. 2007, "Multi-Fragment Effects on the GPU using the k-Buffer"; Vasilakis &
-Fudos 2014, "k+-buffer", whose order-independence this one has.
+Fudos 2014, "k+-buffer", which is order independent like this one.
 
-Known failures: layers beyond k do not even attenuate the background. Transmission is seen in grey.
+Known failures: layers beyond the first k do not even attenuate the background. Transmission is grey.
 """
 
-from collections.abc import Mapping
-
-from oitbench import (
-    OVER,
-    PROGRAMMABLE,
-    Draws,
-    Effect,
-    Method,
-    Parameter,
-    Pass,
-    Step,
-    Target,
-)
-from oitbench.method.kits.bounded_nodes import NODES, STEPS, node_targets
+import oitbench as oit
+from oitbench.method.kits.bounded_nodes import NODES, BoundedNodes
 
 
-class KBuffer(Method):
+class KBuffer(BoundedNodes):
     quick = False
-    expresses = Effect.COVERAGE
-    parameters = {
-        "k": Parameter(8, choices=(1, 2, 4, 8, 16), grid=(4, 8, 16), help="nodes a pixel"),
-        "node": Parameter("8-bit", choices=tuple(NODES), help="format of a node's color"),
-    }
+    k = oit.Parameter(8, choices=(1, 2, 4, 8, 16), grid=(4, 8, 16), help="nodes per pixel")
+    node = oit.Parameter(
+        "8-bit",
+        choices=tuple(NODES),
+        help="node's color; 8 bits clip radiance above one and lose layers with o < 1/510",
+    )
 
     @property
-    def holds(self) -> frozenset[str]:
-        held = {"U1", "U2", "U4", "U5", "U7", "U8"}
-        held |= {"U9"} if int(self.values["k"]) > 1 else set()
-        # Nodes of 8 bits clip.
-        return frozenset(held if self.text("node") == "8-bit" else held | {"U10"})
-
-    @property
-    def record_step(self) -> float:
-        return STEPS[self.text("node")]
-
-    @property
-    def targets(self) -> Mapping[str, Target]:
-        wide = {"color": Target("rgba32f")} if self.text("node") == "32f" else {}
-        return {**node_targets(int(self.values["k"]), self.text("node")), **wide}
-
-    @property
-    def passes(self) -> tuple[Step, ...]:
-        nodes = tuple(node_targets(int(self.values["k"]), self.text("node")))
-        return (
-            Pass("insert.glsl", Draws.FRAGMENTS, writes=dict.fromkeys(nodes, PROGRAMMABLE)),
-            Pass("resolve.glsl", Draws.PIXELS, reads=nodes, writes={"color": OVER}),
+    def promises(self) -> frozenset[str]:
+        kept = oit.promise(
+            "single_layer_exact order_independent opaque_front_hides zero_coverage_ignored"
+            " white_furnace"
         )
+        kept |= oit.promise("two_layers_ordered" if self.k > 1 else "")
+        return kept | oit.promise("" if self.node == "8-bit" else "scales_with_radiance")

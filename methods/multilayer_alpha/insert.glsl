@@ -1,5 +1,5 @@
 // Inserts the fragment by depth; the farthest of K + 1 nodes is merged into the one before it.
-#include "bounded_insert.glsl"
+#include "bounded_nodes/insert.glsl"
 
 void gather(Fragment fragment) {
     Node node = node_of(fragment);

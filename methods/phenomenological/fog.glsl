@@ -1,7 +1,7 @@
 // Adds the medium to all targets at once: what a plane for each slice would add one by one.
-#include "fragment.glsl"
+#include "oitbench/fragment.glsl"
 #include "layer.glsl"
-#include "march.glsl"
+#include "oitbench/march.glsl"
 
 // Window depth of a view distance, m.
 float window_depth(float z) { return (1.0 - near_plane / z) / (1.0 - near_plane / far_plane); }

@@ -9,42 +9,25 @@ self-modulation. For a layer at distance z before a background at z_B, f the foc
 
     D_i = f k0 (1 - c) alpha (1 - k1 / (k1 + |z_B - z|)) / z,      k0 = 0.25 m, k1 = 0.5 m
 
-and d_i is where the ray that Snell's law bends at the surface meets a plane behind it, projected.
-Nothing of this is stored that the scene does not call for: 88 bits a pixel for grey coverage, 112
-with diffusion and refraction. 14 bytes are blended a fragment.
+and d_i is the projected offset of the point where the ray that Snell's law bends at the surface
+meets a plane behind it. Only effects that the scene requests are stored: 88 bits per pixel for grey
+coverage, 112 with diffusion and refraction. 14 bytes are blended per fragment.
 
-A medium is marched through in one pass over the screen: slices of its part of the view ray, each of
-alpha = 1 - exp(-extinction * length), t = 0 and the middle's distance, are summed in registers as
-planes would be in targets, and blended once. Light and density of a slice are those of one point in
-it, L = albedo (mean radiance around + sum over lights of visibility * irradiance * phase function);
-what the medium keeps back on the way from a light is left out.
+A medium is marched in one pass over the screen. Slices of its part of the view ray, each with
+alpha = 1 - exp(-extinction * length), t = 0 and the distance of its middle, are summed in registers
+as planes would be in targets, and blended once. Light and density of a slice are those of one point
+in it, L = albedo (mean radiance around + sum over lights of visibility * irradiance * phase
+function); the medium's own attenuation of light on its way from a light is neglected.
 
-Parameters
-----------
-depth_weight : equation of w. `eq5` as above; `g3d` is that of the authors' engine,
-    clamp(o clamp(1e4 (1 - 0.99 d)^3, 1e-3, 1), 1e-3, 150).
-modulation : S. `tvcg` blends half of beta's hue into A and leaves opaque layers as they are; `i3d`
-    halves them; `none` is 1.
-kernel : `disk` of radius D, or `gaussian` of standard deviation D, cut at 2.5 D.
-weight : of a layer's blur: its coverage `alpha`, or its `net` opacity o, by which clear frosted
-    glass does not blur at all.
-offset : weight of a layer's refraction: its coverage `alpha`, `net` opacity, or `normalized`, the
-    mean over all refracting layers by coverage (16 more bits a pixel).
-reach : distance behind a surface of the plane that a bent ray is followed to: `background`, the
-    opaque surface at the pixel, or `paper`, 2 m.
-radius : of the blur at most, in pixels; its cost grows with the square. Blurs beyond it do not
-    scale with the resolution.
-subsample : pixels along each side of the blocks that particles (`Object.particles`) are accumulated
-    for, in targets of their own; a joint bilateral filter spreads these over the frame before the
-    resolve, and what is finer than a block is lost. All else, fog too, keeps the frame's
-    resolution. 1 is without: no target, no pass.
-steps : slices of the march. Their points are spread over neighboring pixels, so that too few look
-    grainy, not banded: 64 err by 1/255 of the displayed range (rms) in a hall of sunbeams, twice as
-    many by half. Where density is constant, transmittance is exact with any number.
-precision : `paper` has 16, 8, and 8 bits a channel of A, of beta and D, and of d; with 8 bits the
-    smallest blur is 3.95 pixels, and offsets have steps of half a pixel and end at 63 pixels after
-    each layer, so that glass of many strongly bent layers shows streaks in the order of its draws.
-    `half` and `float` have that for all targets, and `float` also for the final color.
+Particles (`Object.particles`) can be accumulated for blocks of `subsample` pixels per side, in
+targets of their own. A joint bilateral filter spreads them over the frame before the resolve, and
+details finer than a block are lost. Everything else, fog included, keeps the frame's resolution.
+With 1 there is no such target and no such pass.
+
+`paper` stores A in 16 bits, and beta, D and d in 8 bits per channel. With 8 bits the smallest blur
+is 3.95 pixels, and offsets have steps of half a pixel and end at 63 pixels after each layer, so
+that glass of many strongly bent layers shows streaks in the order of its draws. `half` and `float`
+store all targets in that format, and `float` also the final color.
 
 Source: McGuire & Mara 2017, "Phenomenological transparency", IEEE TVCG, equations 1 to 14 and
 listings 1 and 3; McGuire & Mara 2016, I3D. Where text and listings disagree: beta has no factor
@@ -53,174 +36,149 @@ and decoded, 381 pixel metres, over its focal lengths; f belongs into D, so that
 resolution; variances add, not deviations; the bent ray is Snell's; offsets are encoded and decoded
 by 63 pixels; self-modulation is TVCG's, under which opaque layers keep their brightness.
 
-Known failures: behind several tinted layers 8 bits hold beta to one part in three, and so S depends
-on the order of the draws; a layer of colored transmission tints its own reflection by (1 - t) / (1
+Known failures: behind several tinted layers 8 bits resolve beta to one part in three, so S depends
+on the order of the draws. A layer of colored transmission tints its own reflection by (1 - t) / (1
 - mean t), and a perfectly clear one loses highlights, emission and refraction where beta rounds to
-one; front layers of alpha = 1 do not hide the color of transparent layers behind them; transparent
-layers do not bend or blur each other; what lies beyond the edge of the picture cannot be seen in a
-bend. w reaches its clamps beyond 86 near-plane distances, where all layers weigh the same: hair
-comes out as unordered blending does. So light in near fog does not outweigh that behind it. As D
-weighs a slice by alpha and not by its root, fog blurs the less, the more slices it is cut into, and
-most near the eye; blurs of fog below 2.8 pixels round to none in 8 bits.
+one. Front layers of alpha = 1 do not hide the color of transparent layers behind them. Transparent
+layers do not bend or blur each other. A bend cannot show anything beyond the edge of the picture. w
+reaches its clamps beyond 86 near-plane distances, where all layers weigh the same: hair looks as in
+unordered blending, and light in near fog does not outweigh light behind it. As D weighs a slice by
+alpha and not by its root, fog blurs less the more slices it is cut into, and most near the eye;
+blurs of fog below 2.8 pixels round to none in 8 bits.
 """
 
-from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
-from oitbench import (
-    ADD,
-    REPLACE,
-    Blend,
-    Draws,
-    Effect,
-    Factor,
-    Method,
-    Objects,
-    Parameter,
-    Pass,
-    Target,
+import oitbench as oit
+
+BACKGROUND = oit.Blend(
+    oit.Factor.ZERO,
+    oit.Factor.ONE_MINUS_SOURCE_COLOR,
+    source_alpha=oit.Factor.ONE,
+    target_alpha=oit.Factor.ONE,
 )
-
-BACKGROUND = Blend(
-    Factor.ZERO, Factor.ONE_MINUS_SOURCE_COLOR, source_alpha=Factor.ONE, target_alpha=Factor.ONE
-)
-"""Colors attenuate the target, as the background is; variances of blur in alpha add up."""
-GATHERED = {"accum": ADD, "beta": BACKGROUND, "delta": ADD, "bending": ADD}
-"""How what layers add meets each target."""
+"""Colors attenuate the target, as they do the background; variances of blur in alpha add up."""
+GATHERED = {"accum": oit.ADD, "beta": BACKGROUND, "delta": oit.ADD, "bending": oit.ADD}
+"""Blending of a layer's contribution to each target."""
 
 
-class Phenomenological(Method):
+class Phenomenological(oit.Method):
     expresses = (
-        Effect.COVERAGE
-        | Effect.COLORED_TRANSMISSION
-        | Effect.REFRACTION
-        | Effect.DIFFUSION
-        | Effect.VOLUME
+        oit.Effect.COVERAGE
+        | oit.Effect.COLORED_TRANSMISSION
+        | oit.Effect.REFRACTION
+        | oit.Effect.DIFFUSION
+        | oit.Effect.VOLUME
     )
-    parameters = {
-        "depth_weight": Parameter("eq5", choices=("eq5", "g3d"), help="equation of w"),
-        "modulation": Parameter(
-            "tvcg", choices=("none", "i3d", "tvcg"), grid=("none", "tvcg"), help="of A by beta"
-        ),
-        "kernel": Parameter("disk", choices=("disk", "gaussian"), help="shape of the blur"),
-        "weight": Parameter("alpha", choices=("alpha", "net"), help="of a layer's blur"),
-        "offset": Parameter(
-            "alpha", choices=("alpha", "net", "normalized"), help="weight of a layer's refraction"
-        ),
-        "reach": Parameter(
-            "background", choices=("background", "paper"), help="where bent rays end"
-        ),
-        "radius": Parameter(16, low=1, high=256, help="of the blur at most, pixels"),
-        "subsample": Parameter(
-            1, choices=(1, 2, 4), help="pixels a side of the blocks that particles are rendered in"
-        ),
-        "steps": Parameter(64, low=1, high=4096, help="of the march through a medium"),
-        "precision": Parameter(
-            "paper", choices=("paper", "half", "float"), grid=("paper", "half"), help="of targets"
-        ),
-    }
+    depth_weight = oit.Parameter(
+        "eq5",
+        choices=("eq5", "g3d"),
+        help="equation of w: 5, or the engine's clamp(o clamp(1e4(1 - 0.99d)^3, 1e-3, 1), 1e-3, 150)",
+    )
+    modulation = oit.Parameter(
+        "tvcg",
+        choices=("none", "i3d", "tvcg"),
+        grid=("none", "tvcg"),
+        help="S: `tvcg` blends half of beta's hue into A, `i3d` also halves opaque layers",
+    )
+    kernel = oit.Parameter(
+        "disk",
+        choices=("disk", "gaussian"),
+        help="blur: disk of radius D, or Gaussian of standard deviation D cut at 2.5 D",
+    )
+    weight = oit.Parameter(
+        "alpha",
+        choices=("alpha", "net"),
+        help="of a layer's blur: coverage, or net opacity, by which clear frosted glass is sharp",
+    )
+    offset = oit.Parameter(
+        "alpha",
+        choices=("alpha", "net", "normalized"),
+        help="weight of a layer's refraction: coverage, net opacity, or mean over all by coverage",
+    )
+    reach = oit.Parameter(
+        "background",
+        choices=("background", "paper"),
+        help="end of a bent ray: opaque surface at the pixel, or 2 m behind the layer",
+    )
+    radius = oit.Parameter(16, low=1, high=256, help="largest blur, pixels at any resolution")
+    subsample = oit.Parameter(1, choices=(1, 2, 4), help="side in pixels of blocks of particles")
+    steps = oit.Parameter(
+        64,
+        low=1,
+        high=4096,
+        help="of the march; 64 give an rms error of 1/255 in a hall of sunbeams, 128 half of it",
+    )
+    precision = oit.Parameter(
+        "paper", choices=("paper", "half", "float"), grid=("paper", "half"), help="of all targets"
+    )
 
     @property
-    def holds(self) -> frozenset[str]:
-        always = {"U1", "U2", "U3", "U6", "U7", "U8", "U10", "U12"}
-        # Hues of a beta that 8 bits hold to one part in three depend on how it was rounded.
-        coarse = self.values["precision"] == "paper" and self.values["modulation"] != "none"
-        if self.values["kernel"] == "gaussian":
-            always -= {"U12"}  # `radius` cuts it off at a number of pixels
-        return frozenset(always if coarse else always | {"U4"})
+    def promises(self) -> frozenset[str]:
+        kept = oit.promise(
+            "single_layer_exact equal_layers_exact total_transmittance_exact zero_coverage_ignored"
+            " white_furnace scales_with_radiance"
+        )
+        # `radius` cuts a Gaussian off at a number of pixels.
+        kept |= oit.promise("" if self.kernel == "gaussian" else "resolution_independent")
+        # The hue of a beta in 8 bits depends on the order in which it was rounded.
+        coarse = self.precision == "paper" and self.modulation != "none"
+        return kept | oit.promise("" if coarse else "order_independent")
 
-    @property
-    def targets(self) -> Mapping[str, Target]:
-        accum, beta, beta_and_blur, delta, covered = {
-            "paper": ("rgba16f", "rgb8", "rgba8", "rg8_snorm", "r16f"),
-            "half": ("rgba16f", "rgba16f", "rgba16f", "rg16f", "r16f"),
-            "float": ("rgba32f", "rgba32f", "rgba32f", "rg32f", "r32f"),
-        }[self.text("precision")]
+    def _targets(self, effects: oit.Effect) -> dict[str, oit.Target]:
+        accum, beta, delta, bending = {
+            "paper": ("rgba16f", "rgb8", "rg8_snorm", "r16f"),
+            "half": ("rgba16f", "rgba16f", "rg16f", "r16f"),
+            "float": ("rgba32f", "rgba32f", "rg32f", "r32f"),
+        }[self.precision]
+        if oit.Effect.DIFFUSION in effects:
+            beta = beta.replace("rgb8", "rgba8")
         targets = {
-            "accum": Target(accum, clear=(0.0,)),
-            "beta": Target(
-                beta, clear=(1.0, 1.0, 1.0, 0.0), instead={Effect.DIFFUSION: beta_and_blur}
-            ),
-            "delta": Target(delta, when=Effect.REFRACTION),
-            "color": Target("rgba32f" if accum == "rgba32f" else "rgba16f"),
+            "accum": oit.Target(accum, clear=(0.0,)),
+            "beta": oit.Target(beta, clear=(1.0, 1.0, 1.0, 0.0)),
         }
-        if self.values["offset"] == "normalized":
-            targets["bending"] = Target(covered, when=Effect.REFRACTION)
-        return {**targets, **self._small_targets(targets)}
+        if oit.Effect.REFRACTION in effects:
+            targets["delta"] = oit.Target(delta)
+            if self.offset == "normalized":
+                targets["bending"] = oit.Target(bending)
+        return targets
 
-    def _small_targets(self, targets: Mapping[str, Target]) -> dict[str, Target]:
-        """Return what particles are accumulated in, if that has a resolution of its own."""
-        subsample = int(self.values["subsample"])
-        if subsample == 1:
-            return {}
-        small = {
-            "distance": Target("r32f", subsample=subsample),
-            "depth": Target("depth32f", clear=(1.0,), subsample=subsample),
-        }
-        small |= {k: replace(targets[k], subsample=subsample) for k in GATHERED if k in targets}
-        return {f"small_{name}": target for name, target in small.items()}
-
-    @staticmethod
-    def _small_passes(gathered: Sequence[str]) -> tuple[Pass, ...]:
-        """Return what comes before all else: the particles, before what is opaque."""
-        return (
-            Pass(
-                "shrink_depth.glsl",
-                Draws.PIXELS,
-                reads=("opaque_depth",),
-                writes={"small_distance": REPLACE},
-                depth="small_depth",
-                objects=Objects.PARTICLES,
-            ),
-            Pass(
-                "gather.glsl",
-                Draws.FRAGMENTS,
-                reads=("small_distance",),
-                writes={f"small_{name}": GATHERED[name] for name in gathered},
-                tests="small_depth",
-                defines={"SMALL": 1},
-                objects=Objects.PARTICLES,
-            ),
+    def plan(self, request: oit.Request) -> oit.Plan:
+        targets = self._targets(request.effects)
+        color = oit.Target("rgba32f" if self.precision == "float" else "rgba16f")
+        depth, mixed = ("opaque_depth",), request.particles and self.subsample > 1
+        writes = {name: GATHERED[name] for name in targets}
+        objects = oit.Objects.OTHERS if mixed else oit.Objects.ALL
+        gather = oit.Gather("gather.glsl", reads=depth, writes=writes, objects=objects)
+        march = oit.Resolve("fog.glsl", reads=depth, writes={"accum": oit.ADD, "beta": BACKGROUND})
+        resolve = oit.Resolve(
+            "resolve.glsl", reads=(*targets, "opaque_color"), writes={"color": oit.REPLACE}
         )
-
-    @staticmethod
-    def _spread(gathered: Sequence[str]) -> tuple[Pass, ...]:
-        """Return what adds the particles to the other layers."""
-        return (
-            Pass(
-                "upsample.glsl",
-                Draws.PIXELS,
-                reads=(*(f"small_{name}" for name in gathered), "small_distance", "opaque_depth"),
-                writes={name: GATHERED[name] for name in gathered},
-                objects=Objects.PARTICLES,
-            ),
+        fog = (march,) if oit.Effect.VOLUME in request.effects else ()
+        if not mixed:
+            return oit.Plan({**targets, "color": color}, (gather, *fog, resolve))
+        small = {f"small_{name}": GATHERED[name] for name in targets}
+        shrink = oit.Resolve(
+            "shrink_depth.glsl",
+            reads=depth,
+            writes={"small_distance": oit.REPLACE},
+            depth="small_depth",
         )
-
-    @property
-    def passes(self) -> tuple[Pass, ...]:
-        gathered = [name for name in GATHERED if name in self.targets]
-        mixed = self.values["subsample"] != 1
-        return (
-            *(self._small_passes(gathered) if mixed else ()),
-            Pass(
-                "gather.glsl",
-                Draws.FRAGMENTS,
-                reads=("opaque_depth",),
-                writes={name: GATHERED[name] for name in gathered},
-                objects=Objects.OTHERS if mixed else Objects.ALL,
-            ),
-            Pass(
-                "fog.glsl",
-                Draws.PIXELS,
-                reads=("opaque_depth",),
-                writes={"accum": ADD, "beta": BACKGROUND},
-                when=Effect.VOLUME,
-            ),
-            *(self._spread(gathered) if mixed else ()),
-            Pass(
-                "resolve.glsl",
-                Draws.PIXELS,
-                reads=(*gathered, "opaque_color"),
-                writes={"color": REPLACE},
-            ),
+        particles = oit.Gather(
+            "gather.glsl",
+            reads=("small_distance",),
+            writes=small,
+            depth="small_depth",
+            depth_writes=False,
+            defines={"SMALL": 1},
+            objects=oit.Objects.PARTICLES,
         )
+        spread = oit.Resolve(
+            "upsample.glsl", reads=(*small, "small_distance", *depth), writes=writes
+        )
+        extra = {
+            "distance": oit.Target("r32f"), "depth": oit.Target("depth32f", clear=(1.0,)), **targets
+        }  # fmt: skip
+        blocks = {f"small_{k}": replace(t, subsample=self.subsample) for k, t in extra.items()}
+        steps = (shrink, particles, gather, *fog, spread, resolve)
+        return oit.Plan({**targets, "color": color, **blocks}, steps)

@@ -1,5 +1,5 @@
 // Which of the 4 QUADS samples of this round a fragment takes: bit s for sample s.
-#include "random.glsl"
+#include "oitbench/random.glsl"
 
 uint mask(Fragment fragment) {
     const uint count = uint(4 * QUADS);

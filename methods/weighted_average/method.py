@@ -3,50 +3,39 @@
     S = sum (alpha L, o),  n = number of layers,  r = (1 - S.a/n)^n
     C = (S.rgb / S.a) (1 - r) + C0 r
 
-with o = alpha (1 - mean t). One unordered geometry pass, one resolve, nothing that depends on
-depth; exact where all layers share color and opacity. By the inequality of the means r >= prod
-(1 - o): the background is never too dark. 80 bits a pixel (96 with a 32-bit count), and 20 (24)
-bytes of blending a fragment.
+with o = alpha (1 - mean t). One unordered geometry pass and one resolve; nothing depends on depth.
+Exact where all layers share color and opacity. By the inequality of arithmetic and geometric means
+r >= prod (1 - o), so the background is never too dark. 80 bits per pixel (96 with a 32-bit count)
+and 20 (24) bytes of blending per fragment.
 
-Only layers that absorb are counted: one of o = 0 hides nothing, so it must not thin out the mean.
-Where S.a is below 1e-4 the factor (1 - r) / S.a is taken as one, its limit, so that highlights on
-clear glass stay.
-
-Parameters
-----------
-count : format of n. `r16f` is exact up to 2048 layers, and stalls there; `r32f` goes on.
-precision : of all other targets, `half` or `float`.
+Only layers that absorb are counted: a layer with o = 0 hides nothing and must not lower the mean.
+Where S.a is below 1e-4 the factor (1 - r) / S.a is replaced by its limit, one, so that highlights
+on clear glass stay.
 
 Source: Bavoil & Myers 2008, "Order Independent Transparency with Dual Depth Peeling", NVIDIA.
 
-Known failures: no notion of depth: swapping two layers changes nothing, and an opaque front layer
-hides neither what is behind it nor, beside thin layers, the background. Half floats stall after
-about 2048 equal layers.
+Known failures: depth is ignored. Swapping two layers changes nothing, and an opaque front layer
+hides neither the layers behind it nor, beside thin layers, the background. Half-float sums stall
+after about 2048 equal layers, and so does a count in `r16f`.
 """
 
-from collections.abc import Mapping
-
-from oitbench import ADD, OVER, Draws, Effect, Method, Parameter, Pass, Target
+import oitbench as oit
 
 
-class WeightedAverage(Method):
+class WeightedAverage(oit.Method):
     quick = False
-    expresses = Effect.COVERAGE
-    parameters = {
-        "count": Parameter("r16f", choices=("r16f", "r32f"), help="format of the count"),
-        "precision": Parameter("half", choices=("half", "float"), help="of other targets"),
-    }
-    holds = frozenset({"U1", "U2", "U3", "U4", "U7", "U8", "U10"})
-    passes = (
-        Pass("gather.glsl", Draws.FRAGMENTS, writes={"sum": ADD, "number": ADD}),
-        Pass("resolve.glsl", Draws.PIXELS, reads=("sum", "number"), writes={"color": OVER}),
+    expresses = oit.Effect.COVERAGE
+    count = oit.Parameter("r16f", choices=("r16f", "r32f"), help="format of n")
+    precision = oit.Parameter("half", choices=("half", "float"), help="of all other targets")
+    promises = oit.promise(
+        "single_layer_exact equal_layers_exact order_independent zero_coverage_ignored"
+        " white_furnace scales_with_radiance"
     )
 
-    @property
-    def targets(self) -> Mapping[str, Target]:
-        texel = {"half": "rgba16f", "float": "rgba32f"}[self.text("precision")]
-        return {
-            "sum": Target(texel),
-            "number": Target(self.text("count")),
-            "color": Target(texel),
-        }
+    def plan(self, request: oit.Request) -> oit.Plan:
+        color = oit.Target(oit.float_format("rgba", self.precision))
+        sums = ("sum", "number")
+        gather = oit.Gather("gather.glsl", writes=dict.fromkeys(sums, oit.ADD))
+        resolve = oit.Resolve("resolve.glsl", reads=sums, writes={"color": oit.OVER})
+        targets = {"sum": color, "number": oit.Target(self.count), "color": color}
+        return oit.Plan(targets, (gather, resolve))

@@ -1,50 +1,40 @@
-"""Weighted sum: all layers are added, and the background by what their opacities leave of one.
+"""Weighted sum: all layers are added, and the background is weighted by one minus their opacities.
 
     C = sum alpha L + C0 (1 - sum o),    o = alpha (1 - mean t)
 
-The over operator to first order in o: one unordered geometry pass, one resolve, nothing that
-depends on depth. 64 bits a pixel, 16 bytes of blending a fragment.
-
-Parameters
-----------
-clamp : keep the background's weight from falling below zero. Without it (as published) the weight
-    is negative where opacities sum to more than one, and so may the color be; a white scene before
-    a white background stays white only so.
-precision : of every target, `half` or `float`.
+The over operator to first order in o: one unordered geometry pass and one resolve; nothing depends
+on depth. 64 bits per pixel, 16 bytes of blending per fragment. As published, the weight of the
+background, and with it the color, is negative where opacities sum to more than one.
 
 Source: Meshkin 2007, "Sort-Independent Alpha Blending", GDC.
 
-Known failures: right for one layer and for thin ones only; opaque layers add up like thin ones, so
-that deep stacks grow ever brighter, and the background turns negative.
+Known failures: exact for one layer and approximately for thin ones only. Opaque layers add up like
+thin ones, so deep stacks become ever brighter, and the background turns negative.
 """
 
-from collections.abc import Mapping
-
-from oitbench import ADD, OVER, Draws, Effect, Method, Parameter, Pass, Target
+import oitbench as oit
 
 
-class WeightedSum(Method):
+class WeightedSum(oit.Method):
     quick = False
-    expresses = Effect.COVERAGE
-    parameters = {
-        "clamp": Parameter(False, grid=(False, True), help="no negative background"),
-        "precision": Parameter("half", choices=("half", "float"), help="of every target"),
-    }
-    passes = (
-        Pass("gather.glsl", Draws.FRAGMENTS, writes={"sum": ADD}),
-        Pass("resolve.glsl", Draws.PIXELS, reads=("sum",), writes={"color": OVER}),
-    )
+    expresses = oit.Effect.COVERAGE
+    clamp = oit.Parameter(False, grid=(False, True), help="no negative weight of the background")
+    precision = oit.Parameter("half", choices=("half", "float"), help="of every target")
 
     @property
-    def holds(self) -> frozenset[str]:
-        held = {"U1", "U2", "U4", "U7", "U10"}
-        return frozenset(held if self.values["clamp"] else held | {"U8"})
+    def promises(self) -> frozenset[str]:
+        kept = oit.promise(
+            "single_layer_exact order_independent zero_coverage_ignored scales_with_radiance"
+        )
+        # A white scene before a white background stays white only with a negative weight.
+        return kept | oit.promise("" if self.clamp else "white_furnace")
 
     @property
     def may_be_negative(self) -> bool:
-        return not self.values["clamp"]
+        return not self.clamp
 
-    @property
-    def targets(self) -> Mapping[str, Target]:
-        texel = {"half": "rgba16f", "float": "rgba32f"}[self.text("precision")]
-        return {"sum": Target(texel), "color": Target(texel)}
+    def plan(self, request: oit.Request) -> oit.Plan:
+        color = oit.Target(oit.float_format("rgba", self.precision))
+        gather = oit.Gather("gather.glsl", writes={"sum": oit.ADD})
+        resolve = oit.Resolve("resolve.glsl", reads=("sum",), writes={"color": oit.OVER})
+        return oit.Plan({"sum": color, "color": color}, (gather, resolve))

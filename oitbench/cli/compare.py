@@ -35,7 +35,7 @@ def tell(comparison: Comparison, as_json: bool = False) -> None:
     if as_json:
         click.echo(json.dumps(comparison.facts(), indent=2, allow_nan=False))
     else:
-        if comparison.findings:
+        if comparison.differences:
             _print_table(comparison)
         click.echo(comparison)
     sys.exit(0 if comparison.passed else 1)
@@ -49,10 +49,10 @@ def _print_table(comparison: Comparison) -> None:
     table = Table(box=box.SIMPLE)
     for title in ("verdict", "cell", "what", "baseline", "now"):
         table.add_column(title, overflow="fold")
-    for finding in comparison.findings:
-        style = "red" if finding.regression else "green" if finding.verdict == "better" else None
-        values = ("" if value is None else str(value) for value in (finding.before, finding.now))
-        table.add_row(finding.verdict, finding.cell, finding.field, *values, style=style)
+    for item in comparison.differences:
+        style = "red" if item.regression else "green" if item.verdict == "better" else None
+        values = ("" if value is None else str(value) for value in (item.before, item.now))
+        table.add_row(item.verdict, item.cell, item.field, *values, style=style)
     # Whoever reads a file or a pipe looks for whole labels.
     width = None if sys.stdout.isatty() else _WIDE
     Console(width=width, markup=False, highlight=False).print(table)

@@ -25,7 +25,8 @@ def _tell(name: str, value: object, well: bool = True) -> bool:
 
 
 def _gl() -> bool:
-    from oitbench.gl.device import CAPABILITIES, Device
+    from oitbench.gl.capabilities import CAPABILITIES
+    from oitbench.gl.device import Device
 
     try:
         device = Device()

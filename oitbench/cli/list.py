@@ -12,7 +12,7 @@ from oitbench import parameters as selector
 from oitbench.cli import options
 from oitbench.effects import Effect
 from oitbench.errors import DeclarationError
-from oitbench.parameters import Parameter
+from oitbench.parameters import AnyParameter
 from oitbench.plugins import Collection
 
 KINDS = ("methods", "scenes", "effects", "reports")
@@ -61,7 +61,7 @@ def _entry(plugins: Any, name: str) -> dict[str, Any]:
     }
 
 
-def _parameter(parameter: Parameter) -> dict[str, Any]:
+def _parameter(parameter: AnyParameter) -> dict[str, Any]:
     allowed = "|".join(selector.text(choice) for choice in parameter.choices)
     told = selector.text(parameter.default)
     if allowed:

@@ -1,4 +1,4 @@
-"""Options that several verbs share."""
+"""Options that several commands share."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from typing import Any, TypeVar
 import click
 
 from oitbench.errors import UsageError
+from oitbench.method.ablation import EACH, REQUESTED
 
 Command = TypeVar("Command", bound=Callable[..., Any])
 
@@ -31,10 +32,15 @@ def _read_size(
     return None if value is None else parse_size(value)
 
 
-def size(default: str | None, told: str) -> Callable[[Command], Command]:
+def size(default: str | None, help_text: str) -> Callable[[Command], Command]:
     """Return the option `--size`, whose value is (width, height) in pixels."""
     return click.option(
-        "--size", metavar="WxH", default=default, show_default=True, callback=_read_size, help=told
+        "--size",
+        metavar="WxH",
+        default=default,
+        show_default=default is not None,
+        callback=_read_size,
+        help=help_text,
     )
 
 
@@ -43,7 +49,7 @@ collections = click.option(
     "collections",
     multiple=True,
     type=click.Path(path_type=Path),
-    help="Folder with further methods, scenes or reports; repeatable.",
+    help="Folder with further methods, scenes or reports. Repeatable.",
 )
 ssaa = click.option(
     "--ssaa",
@@ -53,15 +59,16 @@ ssaa = click.option(
     help="Side of the sub-pixel grid of accuracy images.",
 )
 _EFFECTS = (
-    "called, all, none, or names to leave out, as in -diffusion,-refraction; with each goes what"
-    " means nothing without it, as colored shadows without translucent ones."
+    f"{REQUESTED}: those that the scene requests; all; none; or names to leave out, as in"
+    " -diffusion,-refraction. Effects that depend on them, such as colored shadows on translucent"
+    " ones, are left out too."
 )
-effects = click.option("--effects", default="called", show_default=True, help=_EFFECTS)
+effects = click.option("--effects", default=REQUESTED, show_default=True, help=_EFFECTS)
 effects_axis = click.option(
     "--effects",
     multiple=True,
-    default=("called",),
+    default=(REQUESTED,),
     show_default=True,
-    help=f"{_EFFECTS} Repeatable. 'each': called and, one at a time, without every effect that a"
-    " scene calls for and a method draws differently without.",
+    help=f"{_EFFECTS} Repeatable. {EACH}: {REQUESTED}, and the same without each effect in turn that"
+    " changes the method's picture.",
 )

@@ -17,21 +17,44 @@ from oitbench.cli import options
     show_default=True,
     help="Size, parameter grid and rounds of timing.",
 )
-@click.option("--scene", "scenes", multiple=True, help="NAME[param=v,w]; repeatable. All without.")
+@click.option(
+    "--scene",
+    "scenes",
+    multiple=True,
+    help="NAME[param=v,w]. Repeatable. Default: all of the preset.",
+)
 @click.option(
     "--method",
     "methods",
     multiple=True,
-    help="NAME[param=v,w] or a method's folder; repeatable. All without.",
+    help="NAME[param=v,w], or the folder of a method. Repeatable. Default: all of the preset.",
 )
-@options.size(None, "Pixels of the image; the preset's without.")
+@options.size(None, "Pixels of the image. Default: the preset's.")
 @options.ssaa
 @options.effects_axis
-@click.option("--out", type=click.Path(path_type=Path), default=Path("results"), show_default=True)
-@click.option("--force", is_flag=True, help="Do finished cells again.")
-@click.option("--timeout", type=float, help="Seconds that one cell may take.")
-@click.option("--workers", type=click.IntRange(1), default=1, show_default=True)
-@click.option("--seed", type=click.IntRange(0), default=1, show_default=True)
+@click.option(
+    "--out",
+    type=click.Path(path_type=Path),
+    default=Path("results"),
+    show_default=True,
+    help="Folder of the results.",
+)
+@click.option("--force", is_flag=True, help="Run finished cells again.")
+@click.option("--timeout", type=float, help="Seconds that one cell may take. Default: no limit.")
+@click.option(
+    "--workers",
+    type=click.IntRange(1),
+    default=1,
+    show_default=True,
+    help="Processes that render at once; timing is never parallel.",
+)
+@click.option(
+    "--seed",
+    type=click.IntRange(0),
+    default=1,
+    show_default=True,
+    help="Seed of the order in which frames are timed.",
+)
 @options.collections
 def command(
     preset: str,
@@ -47,34 +70,35 @@ def command(
     seed: int,
     collections: tuple[Path, ...],
 ) -> None:
-    """Render scenes with methods, hold them against both truths, and account for their cost.
+    """Render scenes with methods, score them against both truths, and account for their cost.
 
     Finished cells of an earlier run in the same folder are kept; failed ones are tried again.
     """
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
 
-    from oitbench.matrix import run as matrix
     from oitbench.matrix.cell import Cell
-    from oitbench.results.store import Record
+    from oitbench.matrix.plan import plan_matrix
+    from oitbench.matrix.run import run_matrix
+    from oitbench.results.schema import Record
 
-    asked = matrix.plan(
+    matrix = plan_matrix(
         scenes, methods, preset, size, effects, ssaa, out, collections, seed, force,
         timeout, workers,
     )  # fmt: skip
     console = Console(stderr=True)
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn())
     with Progress(*columns, console=console, transient=True) as progress:
-        task = progress.add_task("cells", total=len(asked.cells))
+        task = progress.add_task("cells", total=len(matrix.cells))
 
-        def report(cell: Cell, record: Record) -> None:
+        def show(cell: Cell, record: Record) -> None:
             progress.advance(task)
-            if record["status"] not in ("ok", "unstable"):
+            if not record.finished:
                 console.print(
-                    f"{record['status']}: {cell.scene} {cell.method}: {record['reason']}",
+                    f"{record.status}: {cell.scene} {cell.method}: {record.reason}",
                     markup=False,
                     highlight=False,
                 )
 
-        outcome = matrix.run(asked, report)
-    click.echo(f"{out}: {outcome}")
+        summary = run_matrix(matrix, show)
+    click.echo(f"{out}: {summary}")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Callable
+from functools import cached_property
 from typing import Any
 
 import glcontext
@@ -12,24 +13,10 @@ import numpy as np
 import numpy.typing as npt
 
 from oitbench.errors import CapabilityError, unknown
-from oitbench.method.declaration import Blend
+from oitbench.gl.capabilities import CAPABILITIES, FETCH, MECHANISMS, is_software, loop_limit
+from oitbench.method.blending import Blend
 from oitbench.method.formats import Format
 
-CAPABILITIES: dict[str, tuple[str, ...]] = {
-    "dual_source": ("GL_ARB_blend_func_extended",),
-    "framebuffer_fetch": ("GL_EXT_shader_framebuffer_fetch",),
-    "interlock": ("GL_ARB_fragment_shader_interlock", "GL_NV_fragment_shader_interlock"),
-    "image_load_store": ("GL_ARB_shader_image_load_store",),
-    "post_depth_coverage": ("GL_ARB_post_depth_coverage", "GL_EXT_post_depth_coverage"),
-}
-"""Capability names for `Method.requires`, each with the extensions any one of which gives it."""
-
-_MECHANISMS = {
-    "framebuffer fetch": "framebuffer_fetch",
-    "interlock": "interlock",
-    "spin lock": "image_load_store",
-}
-_SOFTWARE = ("llvmpipe", "softpipe", "swiftshader", "swrast")
 _COLOR, _TEXTURE_2D, _DEPTH_COMPONENT, _FLOAT = 0x1800, 0x0DE1, 0x1902, 0x1406
 _DEPTH_COMPONENT32F, _MAX_STORAGE_BLOCK, _MAX_TEXTURE = 0x8CAC, 0x90DE, 0x0D33
 _TEXTURE_2D_MULTISAMPLE, _DEPTH = 0x9100, 0x1801
@@ -57,17 +44,24 @@ _SIGNATURES: dict[str, tuple[Any, ...]] = {
 class Device:
     """A headless OpenGL 4.5 context.
 
-    Parameters
+    Attributes
     ----------
+    context : moderngl.Context
+    renderer, version : str
+        Names that the driver reports.
     software : bool
-        Whether the renderer runs on the CPU; such a renderer is timed by wall clock.
-    limits_loops : bool
-        Whether it ends loops after 65,535 steps; see `Method.deepest`.
+        Whether the renderer runs on the CPU; it is then timed by wall clock.
+    loop_limit : int or None
+        Steps after which the driver ends all loops of a shader invocation.
+    max_block_bytes, max_targets, max_images, max_side : int
+        Largest storage block, number of color targets and images of a pass, and frame side.
+    programs : dict
+        Compiled programs by the text of their shaders.
 
     Raises
     ------
     CapabilityError
-        No EGL device or OpenGL below 4.5.
+        There is no EGL device, or OpenGL is older than 4.5.
     """
 
     def __init__(self) -> None:
@@ -87,8 +81,8 @@ class Device:
         }
         self.renderer = str(self.context.info["GL_RENDERER"])
         self.version = str(self.context.info["GL_VERSION"])
-        self.software = any(name in self.renderer.lower() for name in _SOFTWARE)
-        self.limits_loops = "llvmpipe" in self.renderer
+        self.software = is_software(self.renderer)
+        self.loop_limit = loop_limit(self.renderer)
         self.max_block_bytes = self._integer(_MAX_STORAGE_BLOCK)
         self.max_targets = self._integer(_MAX_DRAW_BUFFERS)
         self.max_images = self._integer(_MAX_IMAGES)
@@ -112,7 +106,7 @@ class Device:
         return int(value[0])
 
     def has(self, capability: str) -> bool:
-        """Tell whether the driver offers `capability`."""
+        """Return whether the driver offers `capability`."""
         if capability not in CAPABILITIES:
             raise unknown("capability", capability, CAPABILITIES)
         return any(name in self.context.extensions for name in CAPABILITIES[capability])
@@ -125,17 +119,22 @@ class Device:
                 raise CapabilityError(f"{owner} needs {capability}: {self.renderer} has no {names}")
 
     def mechanism(self, samples: int) -> str:
-        """Return how programmable blending is done here: the first that the driver offers.
+        """Return the best way of programmable blending that the driver offers.
 
-        A lock and images would have to be multisampled too; only fetch serves `samples` above 1.
+        Only framebuffer fetch supports more than one sample; images and a lock do not.
+
+        Raises
+        ------
+        CapabilityError
+            The driver offers none.
         """
-        for name, capability in _MECHANISMS.items():
-            if self.has(capability) and (samples == 1 or capability == "framebuffer_fetch"):
+        for name, capability in MECHANISMS.items():
+            if self.has(capability) and (samples == 1 or name == FETCH):
                 return name
         raise CapabilityError(f"{self.renderer} offers no programmable blending")
 
     def texture(self, size: tuple[int, int], entry: Format, samples: int = 1) -> moderngl.Texture:
-        """Create a texture of `size` (width, height) that is fetched texel by texel."""
+        """Create a texture of `size` (width, height) for texel fetches."""
         several = 0 if samples == 1 else samples
         if entry.depth:
             texture = self._depth_texture(size, several)
@@ -157,7 +156,7 @@ class Device:
         return texture
 
     def _depth_texture(self, size: tuple[int, int], samples: int) -> moderngl.Texture:
-        # moderngl knows 24-bit depth only: the same name gets a 32-bit float store.
+        # moderngl only creates 24-bit depth: allocate 32-bit floats under the same name.
         texture = self.context.depth_texture(size, samples=samples)
         if samples:
             self.call("glBindTexture", _TEXTURE_2D_MULTISAMPLE, texture.glo)
@@ -182,7 +181,7 @@ class Device:
         size: tuple[int, int],
         texels: npt.NDArray[np.float32],
     ) -> None:
-        """Write one mip level of one layer of a float RGBA array; moderngl writes level 0 only."""
+        """Write a mip level of a layer of a float RGBA array; moderngl only writes level 0."""
         data = np.ascontiguousarray(texels, dtype=np.float32)
         self.call(
             "glTextureSubImage3D",
@@ -196,7 +195,7 @@ class Device:
         size: tuple[int, int],
         samples: int,
     ) -> None:
-        """Copy all texels between textures of one format, depth and integers included."""
+        """Copy all texels between two textures of the same format, including depth and integers."""
         kind = _TEXTURE_2D if samples == 1 else _TEXTURE_2D_MULTISAMPLE
         origin = (0, 0, 0, 0)
         self.call(
@@ -227,11 +226,27 @@ class Device:
         self.call("glColorMaski", slot, 1, 1, 1, 1)
         self.call(name, _COLOR, slot, numbers.ctypes.data)
 
+    @cached_property
+    def samples_query(self) -> moderngl.Query:
+        """A query of samples that pass. There is one, since moderngl never deletes queries."""
+        return self.context.query(samples=True)
+
+    @cached_property
+    def time_query(self) -> moderngl.Query:
+        """A query of elapsed time on the GPU."""
+        return self.context.query(time=True)
+
     def finish(self) -> None:
-        """Wait until all work is done."""
+        """Wait until the driver has completed all work."""
         self.call("glFinish")
 
     def release(self) -> None:
-        """Free the context and all that was made with it."""
+        """Free the context and everything created with it."""
         self.programs.clear()
         self.context.release()
+
+    def __enter__(self) -> Device:
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self.release()

@@ -1,38 +1,39 @@
-"""What one pixel is made of: the transparent fragments that every method is given there."""
+"""The transparent fragments at one pixel, as every method receives them."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from oitbench.effects import SHADING
-from oitbench.gl.device import Device
-from oitbench.gl.geometry import Geometry
-from oitbench.gl.program.passes import Blueprint, compile_pass
-from oitbench.gl.program.prelude import TILE, bind
+from oitbench.effects import SHADING, Effect
+from oitbench.gl.draws.chain import Chain
+from oitbench.gl.ownership import Owner
+from oitbench.gl.plan import FramePlan
+from oitbench.gl.program.bindings import Bindings
+from oitbench.gl.program.passes import Blueprint
 from oitbench.gl.resources import Resources
-from oitbench.gl.shading.lighting import lighting_of
-from oitbench.gl.shading.occlusion import occlusion_of
-from oitbench.gl.shading.opaque import DEPTH, count_fragments, draw_opaque
+from oitbench.gl.shading.inputs import UNLIT
+from oitbench.gl.shading.occlusion import Occlusion, occludes
+from oitbench.gl.shading.opaque import DEPTH, OpaquePicture
+from oitbench.gl.tiling import TILE
+from oitbench.gl.uploaded_scene import UploadedScene
 from oitbench.gl.view import view_block
-from oitbench.method.declaration import Buffer, Draws, Items, Method, Order, Pass, Target
+from oitbench.method.passes import OPAQUE_DEPTH, Gather
+from oitbench.method.storage import Buffer, Items, Target
 from oitbench.scene import FragmentLists
 
 _BUFFERS = {
     "fragments": Buffer({"draw": "uint", "light": "vec4", "glass": "vec4"}, Items.FRAGMENTS)
 }
-_PROBE = Pass("probe.glsl", Draws.FRAGMENTS, buffers=("fragments",))
+_PROBE = Gather("probe.glsl", buffers=("fragments",))
 _COLOR = Target("rgba16f")
 
 
-def probe(
-    device: Device, geometry: Geometry, size: tuple[int, int], pixel: tuple[int, int]
-) -> FragmentLists:
+def probe(scene: UploadedScene, size: tuple[int, int], pixel: tuple[int, int]) -> FragmentLists:
     """Return the visible transparent fragments at the center of one pixel.
 
     Parameters
     ----------
-    device : Device
-    geometry : Geometry
+    scene : UploadedScene
     size : (int, int)
         Width and height of the frame in pixels.
     pixel : (int, int)
@@ -44,50 +45,66 @@ def probe(
         One pixel, (n, 1, 1), in the order in which they are submitted.
     """
     column, row = pixel[0], size[1] - 1 - pixel[1]
-    effects = geometry.scene.effects & SHADING
-    count = int(count_fragments(device, geometry, size, effects)[row, column])
-    lighting = lighting_of(device, geometry, effects)
-    occlusion = occlusion_of(device, geometry, size, effects)
-    for stage in (lighting, occlusion):
-        if stage is not None:
-            stage.prepare()
-    bindings = bind(_BUFFERS, False)
-    resources = Resources(device, size, {}, _BUFFERS, bindings, device.max_block_bytes)
-    demand = np.zeros(resources.tiles, dtype=np.int64)
-    demand[row // TILE, column // TILE] = count
-    resources.reserve(demand)
-    color, depth = (device.texture(size, target.texel) for target in (_COLOR, DEPTH))
-    view = device.context.buffer(view_block(geometry.scene.camera, size, False))
-    draw_opaque(
-        device, geometry, view, (color, depth), _COLOR, 1, False, lighting, effects, occlusion
-    )
-    blueprint = Blueprint(
-        device, geometry, Method(), None, effects, {"opaque_depth": DEPTH}, _BUFFERS, bindings,
-        lighting=lighting, occlusion=occlusion,
-    )  # fmt: skip
-    indices = geometry.transparent.arrange(Order.SUBMISSION)[0]
-    if count:
-        compiled = compile_pass(blueprint, _PROBE, {"opaque_depth": depth})
-        buffer = device.context.buffer(indices.tobytes())
-        resources.begin(resources.regions[0])
-        resources.bind()
-        compiled.begin(view, (column, row, 1, 1))
-        compiled.draw(buffer, 0, len(indices))
-        compiled.release()
-        buffer.release()
-    # Records come in the order of their allocation, which no driver owes us.
-    order = np.argsort(resources.read("fragments", "draw")[:count, 0], kind="stable")
-    light, glass = (
-        resources.read("fragments", name)[:count][order].view(np.float32)
-        for name in ("light", "glass")
-    )
-    for item in (color, depth, view, resources):
-        item.release()
-    if occlusion is not None:
-        occlusion.release()
+    effects = scene.scene.effects & SHADING
+    count = int(scene.fragment_counts(size, effects)[row, column])
+    with Owner() as owner:
+        resources = _record(owner, scene, size, effects, (column, row), count)
+        # Records come in the order of their allocation, which no driver guarantees.
+        order = np.argsort(resources.read("fragments", "draw")[:count, 0], kind="stable")
+        light, glass = (
+            resources.read("fragments", name)[:count][order].view(np.float32)
+            for name in ("light", "glass")
+        )
     return FragmentLists(
         glass[:, 3].reshape(-1, 1, 1).copy(),
         light[:, 3].reshape(-1, 1, 1).copy(),
         light[:, :3].reshape(-1, 1, 1, 3).copy(),
         glass[:, :3].reshape(-1, 1, 1, 3).copy(),
     )
+
+
+def _record(
+    owner: Owner,
+    scene: UploadedScene,
+    size: tuple[int, int],
+    effects: Effect,
+    place: tuple[int, int],
+    count: int,
+) -> Resources:
+    """Draw the transparent geometry at one pixel, and return the buffers that hold its fragments."""
+    device, geometry = scene.device, scene.geometry
+    lighting = scene.lighting(effects)
+    shading = lighting.inputs(effects) if lighting else UNLIT
+    if lighting is not None:
+        lighting.prepare()
+    if occludes(scene.scene, effects):
+        occlusion = owner.own(Occlusion(device, geometry, size))
+        occlusion.prepare()
+        shading = shading.with_occlusion(occlusion.samplers)
+    plan = FramePlan(
+        "probe", size, effects, None, {}, _COLOR, _BUFFERS, (_PROBE,), Bindings.of(_BUFFERS, False)
+    )
+    resources = owner.own(Resources(device, plan))
+    demand = np.zeros(resources.tiles, dtype=np.int64)
+    demand[place[1] // TILE, place[0] // TILE] = count
+    resources.reserve(demand)
+    view = owner.own(device.context.buffer(view_block(scene.scene.camera, size, False)))
+    color = owner.own(device.texture(size, _COLOR.texel))
+    depth = owner.own(device.texture(size, DEPTH.texel))
+    opaque = owner.own(
+        OpaquePicture(
+            device, geometry, color, depth, _COLOR, view, effects=effects, shading=shading
+        )
+    )
+    opaque.draw()
+    blueprint = Blueprint(
+        "probe", buffers=plan.buffers, bindings=plan.bindings, effects=effects, shading=shading
+    )
+    targets, sizes = {OPAQUE_DEPTH: DEPTH}, {OPAQUE_DEPTH: size}
+    chain = owner.own(Chain(device, geometry, targets, sizes, view, {OPAQUE_DEPTH: depth}))
+    if count:
+        chain.add(_PROBE, blueprint, batch=geometry.transparent)
+        resources.begin(resources.regions[0])
+        resources.bind()
+        chain.issue(scissor=(*place, 1, 1))
+    return resources

@@ -1,4 +1,4 @@
-"""The uniform block `View` (shaders/view.glsl): the camera's, and that of a light's map."""
+"""Projections of a camera and of a light's map, as the uniform block `View` (shaders/view.glsl)."""
 
 from __future__ import annotations
 
@@ -8,17 +8,19 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from oitbench.gl.program.prelude import TILE
+from oitbench.gl.tiling import TILE
 from oitbench.scene import Camera, DirectionalLight, Object, SpotLight
 
 Floats = npt.NDArray[np.float64]
+ITERATION_OFFSET = 160
+"""Byte offset of `iteration` in the block."""
 _MARGIN = 0.02
-"""Part of a map's width left free on each side, so that filters find something there."""
+"""Part of a map's width that stays empty on each side, for filters."""
 
 
 @dataclass(frozen=True, eq=False)
 class Projection:
-    """How points in the world are seen: by a camera, or by a light.
+    """The projection of points in the world to the picture of a camera or of a light.
 
     Parameters
     ----------
@@ -27,7 +29,7 @@ class Projection:
     near, far : float
         View distances in metres; `far` may be infinite.
     focal : float
-        Half the height of the picture over its tangent: the focal length for a height of two.
+        Focal length for a picture of height two.
     eye : array, shape (4,)
         Position and 1, or the direction to the viewer and 0 for parallel rays.
     """
@@ -46,7 +48,7 @@ class Projection:
 
     @property
     def distance_row(self) -> Floats:
-        """What gives the view distance of (position, 1) by a dot product."""
+        """Row whose dot product with (position, 1) is the view distance."""
         return np.asarray(-self.to_camera[2])
 
     def block(self, size: tuple[int, int], transmittance: bool = False) -> bytes:
@@ -83,7 +85,7 @@ def camera_projection(camera: Camera, aspect: float) -> Projection:
 def view_block(
     camera: Camera, size: tuple[int, int], transmittance: bool, subsample: int = 1
 ) -> bytes:
-    """Return the bytes of `View` for a frame of `size`, or for its blocks of pixels.
+    """Return the bytes of `View` for a frame of `size`, or for a downsampled target.
 
     Parameters
     ----------
@@ -91,10 +93,10 @@ def view_block(
     size : (int, int)
         Width and height of the frame in pixels.
     transmittance : bool
-        Whether radiance is left out.
+        Whether all radiance is zero.
     subsample : int
-        Pixels along each side of a block. Blocks that the frame's edge cuts are seen as a whole, so
-        that each stands for as many pixels as any other.
+        Downsampling factor per axis. The picture extends to whole blocks beyond the frame's edge,
+        so that every texel stands for the same number of pixels.
     """
     seen = camera_projection(camera, size[0] / size[1])
     small = (math.ceil(size[0] / subsample), math.ceil(size[1] / subsample))
@@ -108,15 +110,15 @@ def view_block(
 def light_projection(
     light: DirectionalLight | SpotLight, casters: tuple[Object, ...], all_: tuple[Object, ...]
 ) -> Projection | None:
-    """Return how `light` sees a scene, fitted to what casts shadows; None if nothing does.
+    """Return the projection of a shadow map of `light`; None if nothing casts shadows in it.
 
     Parameters
     ----------
     light : DirectionalLight or SpotLight
     casters : tuple of Object
-        What the map must hold from side to side.
+        Objects that the map covers in width and height.
     all_ : tuple of Object
-        What may receive shadows: the map reaches as deep as they do.
+        Possible receivers of shadows, which the map covers in depth.
     """
     if not casters:
         return None
@@ -134,8 +136,8 @@ def _parallel(
     deepest = _bounds(all_, axes)[0][2]
     reach = float(np.linalg.norm(high - low)) / 2 + 1e-3
     center, half = (low + high) / 2, np.maximum((high - low) / 2, 1e-6) * (1 + 2 * _MARGIN)
-    # The map's plane lies just before the nearest caster: variances are told apart from zero in
-    # proportion to distances from it.
+    # The map's plane lies just before the nearest caster: the smallest variance that can be
+    # distinguished from zero is proportional to the distance from it.
     before = _MARGIN * reach
     eye = np.array([center[0], center[1], high[2] + 2 * before]) @ axes
     near, far = before, float(high[2] + 2 * before - min(low[2], deepest)) * 1.01
@@ -167,7 +169,7 @@ def _conical(
         return None
     middle, half = (low + high) / 2, (high - low) / 2 * (1 + 2 * _MARGIN)
     to_clip = _perspective(1 / float(half[0]), 1 / float(half[1]), near, far)
-    to_clip[:2, 2] = middle / half  # off center: only what casts is in the map
+    to_clip[:2, 2] = middle / half  # off center: the map covers casters only
     return Projection(
         _to_camera(axes, position), to_clip, near, far, 1 / float(half.max()),
         np.array([*position, 1.0]),
@@ -177,13 +179,13 @@ def _conical(
 def _slopes(
     objects: tuple[Object, ...], axes: Floats, position: Floats, near: float, widest: float
 ) -> tuple[Floats, Floats]:
-    """Return the least and greatest (x, y) over distance of what lies in a cone's square."""
+    """Return the least and greatest (x, y) over distance of objects within a cone's square."""
     low, high = np.full(2, np.inf), np.full(2, -np.inf)
     for item in objects:
         points = (item.mesh.positions.astype(np.float64) - position) @ axes.T
         distance = -points[:, 2]
         if (distance < near).any():
-            # Part of it lies behind the light: no bound can be told from its corners.
+            # Part of it lies behind the light: its corners give no bound.
             return np.full(2, -widest), np.full(2, widest)
         slopes = points[:, :2] / distance[:, None]
         low, high = np.minimum(low, slopes.min(axis=0)), np.maximum(high, slopes.max(axis=0))

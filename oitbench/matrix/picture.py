@@ -8,9 +8,10 @@ from pathlib import Path
 from oitbench.errors import UsageError
 from oitbench.gl.device import Device
 from oitbench.gl.frame import Frame, Image, check_size
-from oitbench.gl.geometry import Geometry
-from oitbench.image import files as images
+from oitbench.gl.uploaded_scene import UploadedScene
+from oitbench.image import files
 from oitbench.matrix.cell import choose_effects
+from oitbench.method.ablation import REQUESTED
 from oitbench.plugins import Collection
 
 
@@ -19,7 +20,7 @@ def render(
     method: str,
     size: tuple[int, int] = (512, 512),
     ssaa: int = 2,
-    effects: str = "called",
+    effects: str = REQUESTED,
     collections: Iterable[Path | str] = (),
 ) -> tuple[Image, float]:
     """Render `scene` with `method`.
@@ -33,9 +34,9 @@ def render(
     ssaa : int
         Side of the sub-pixel grid that is averaged.
     effects : str
-        See `oitbench.cell.Cell.effects`.
+        See `oitbench.matrix.cell.Cell`.
     collections : iterable of path
-        Extra collection folders.
+        Further collection folders.
 
     Returns
     -------
@@ -47,19 +48,21 @@ def render(
     Raises
     ------
     OitbenchError
-        For whatever is unknown, out of range, or not to be had on this machine.
+        Something is unknown, out of range, or not available on this machine.
     """
     collection = Collection.load(map(Path, collections))
     chosen = collection.expand_methods([method])
     if len(chosen) != 1:
-        raise UsageError(f"'{method}' stands for {len(chosen)} methods; name one")
+        raise UsageError(f"'{method}' selects {len(chosen)} methods; name one")
     described = collection.build_scene(scene)
     running = choose_effects(effects, described.effects) & chosen[0].shows
-    device = Device()
     fine = (size[0] * ssaa, size[1] * ssaa)
-    check_size(device, fine)
-    frame = Frame(device, Geometry(device, described), chosen[0], fine, running)
-    frame.render()
-    image = images.box_downsample(frame.image(), ssaa)
-    device.release()
+    with Device() as device:
+        check_size(device, fine)
+        with (
+            UploadedScene(device, described) as uploaded,
+            Frame(uploaded, chosen[0], fine, running) as frame,
+        ):
+            frame.render()
+            image = files.box_downsample(frame.image(), ssaa)
     return image, described.exposure

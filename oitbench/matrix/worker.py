@@ -1,175 +1,119 @@
-"""A process that renders cells: names come in, records go out, one JSON line each.
+"""A process that renders cells: requests come in, replies go out, one JSON line each.
 
-A crash, a hang or a leak in a driver then costs one cell and not the run. The other end is
-`WorkerProcess`; both speak over standard input and output, so that a worker could as well sit at
-the end of a network connection.
+A crash, a hang or a leak in a driver then costs one cell and not the run. Both ends speak over
+standard input and output, so a worker could also be at the end of a network connection. The other
+end is `oitbench.matrix.pool.WorkerProcess`.
 """
 
 from __future__ import annotations
 
-import json
 import os
-import subprocess
 import sys
-import threading
-from collections.abc import Sequence
-from dataclasses import asdict
 from pathlib import Path
-from queue import Empty, Queue
-from typing import IO, Any
 
-from oitbench.errors import CapabilityError, OitbenchError
-from oitbench.matrix.cell import Bench, Cell
+import msgspec
+from msgspec import Struct
+
+from oitbench.errors import OitbenchError
+from oitbench.matrix.bench import Bench
+from oitbench.matrix.cell import Cell
 from oitbench.plugins import Collection
-from oitbench.results.store import sanitize
-
-Message = dict[str, Any]
-_START_SECONDS = 120.0
+from oitbench.results.schema import Record, Renderer, Time
 
 
-class WorkerError(OitbenchError):
-    """The worker died or took too long; `timeout` tells which."""
+class Settings(Struct, frozen=True):
+    """Sources of plugins that are not the suite's own, and the results folder."""
 
-    def __init__(self, reason: str, timeout: bool) -> None:
-        super().__init__(reason)
-        self.timeout = timeout
-
-
-class WorkerProcess:
-    """The near end of a worker: starts it, asks it, kills it.
-
-    Parameters
-    ----------
-    collections : sequence of Path
-        Extra collection folders.
-    methods : sequence of Path
-        Extra method folders.
-    folder : Path
-        The results folder.
-    """
-
-    def __init__(self, collections: Sequence[Path], methods: Sequence[Path], folder: Path) -> None:
-        self._settings = {
-            "collections": [str(path) for path in collections],
-            "methods": [str(path) for path in methods],
-            "folder": str(folder),
-        }
-        self._process: subprocess.Popen[str] | None = None
-        self._replies: Queue[str | None] = Queue()
-
-    def ask(self, message: Message, timeout: float | None) -> Message:
-        """Send one message and wait for its reply.
-
-        Raises
-        ------
-        WorkerError
-            No reply within `timeout` seconds, or the process ended.
-        OitbenchError
-            The worker could not start work, for a reason that the user can mend.
-        """
-        if self._process is None:
-            self._start()
-            # A process that starts late must not eat up the time of its first cell.
-            self._exchange({"verb": "hello"}, _START_SECONDS)
-        return self._exchange(message, timeout)
-
-    def _exchange(self, message: Message, timeout: float | None) -> Message:
-        assert self._process is not None
-        assert self._process.stdin is not None
-        try:
-            self._process.stdin.write(json.dumps(message) + "\n")
-            self._process.stdin.flush()
-            line = self._replies.get(timeout=timeout)
-        except Empty:
-            self.stop()
-            raise WorkerError(f"took longer than {timeout:g} s", timeout=True) from None
-        except BrokenPipeError:
-            line = None
-        if line is None:
-            code = self._process.wait()
-            self._process = None
-            raise WorkerError(f"the worker process ended with code {code}", timeout=False)
-        reply: Message = json.loads(line)
-        if "error" in reply:
-            kind = CapabilityError if reply["kind"] == "CapabilityError" else OitbenchError
-            raise kind(reply["error"])
-        return reply
-
-    def _start(self) -> None:
-        self._replies = Queue()
-        self._process = subprocess.Popen(
-            [sys.executable, "-m", "oitbench.matrix.worker", json.dumps(self._settings)],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            text=True,
-            encoding="utf-8",
-        )
-        assert self._process.stdout is not None
-        threading.Thread(
-            target=_pump, args=(self._process.stdout, self._replies), daemon=True
-        ).start()
-
-    def stop(self) -> None:
-        """End the process, if there is one."""
-        if self._process is not None:
-            self._process.kill()
-            self._process.wait()
-            self._process = None
+    collections: list[str]
+    methods: list[str]
+    folder: str
 
 
-def _pump(lines: IO[str], replies: Queue[str | None]) -> None:
-    for line in lines:
-        replies.put(line)
-    replies.put(None)
+class Hello(Struct, frozen=True, tag=True):
+    """Asks for a greeting."""
 
 
-def to_message(cell: Cell) -> Message:
-    """Return the cell in JSON's own types."""
-    return {**asdict(cell), "size": list(cell.size)}
+class RunCell(Struct, frozen=True, tag=True):
+    """Asks for one rendered and scored cell."""
+
+    cell: Cell
+    path_traced: bool
 
 
-def _from_message(facts: Message) -> Cell:
-    return Cell(**{**facts, "size": tuple(facts["size"])})
+class TimeCells(Struct, frozen=True, tag=True):
+    """Asks for the times of the cells of one scene."""
+
+    cells: list[Cell]
+    rounds: int
+    budget: float
 
 
-def _answer(bench: Bench, message: Message) -> Message:
-    if message["verb"] == "hello":
+class Greeting(Struct, frozen=True, tag=True):
+    """The renderer of the worker."""
+
+    gl: Renderer
+
+
+class CellDone(Struct, frozen=True, tag=True):
+    """A record, and the seconds spent by kind of work."""
+
+    record: Record
+    spent: dict[str, float]
+
+
+class CellsTimed(Struct, frozen=True, tag=True):
+    """Times in the order of the request, and the seconds spent by kind of work."""
+
+    times: list[Time]
+    spent: dict[str, float]
+
+
+class Refusal(Struct, frozen=True, tag=True):
+    """A user's error that prevented the work; `kind` is the name of its class."""
+
+    message: str
+    kind: str
+
+
+Request = Hello | RunCell | TimeCells
+Reply = Greeting | CellDone | CellsTimed | Refusal
+
+
+def _answer(bench: Bench, request: Request) -> Reply:
+    if isinstance(request, Hello):
         device = bench.device
-        info = device.context.info
-        return {
-            "gl": {
-                "vendor": info["GL_VENDOR"],
-                "renderer": device.renderer,
-                "version": device.version,
-                "software": device.software,
-            }
-        }
-    if message["verb"] == "run":
-        record = bench.run(_from_message(message["cell"]), message["path_traced"])
-        return {"record": record, "spent": bench.watch.take()}
-    cells = [_from_message(facts) for facts in message["cells"]]
-    times = bench.time(cells, message["rounds"], message["budget"])
-    return {"times": times, "spent": bench.watch.take()}
+        vendor = str(device.context.info["GL_VENDOR"])
+        return Greeting(Renderer(device.renderer, vendor, device.version, device.software))
+    if isinstance(request, RunCell):
+        record = bench.run(request.cell, request.path_traced)
+        return CellDone(record, bench.watch.take())
+    times = bench.time(request.cells, request.rounds, request.budget)
+    return CellsTimed(times, bench.watch.take())
+
+
+def _bench(settings: Settings) -> Bench:
+    collection = Collection.load(map(Path, settings.collections))
+    for folder in settings.methods:
+        collection.add_method(Path(folder))
+    return Bench(collection, Path(settings.folder))
 
 
 def main() -> None:
     """Serve until standard input ends."""
-    # Whatever a library prints must not end up between the replies.
-    replies = os.fdopen(os.dup(1), "w", encoding="utf-8")
+    # Output of libraries must not appear between the replies.
+    replies = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)
-    settings = json.loads(sys.argv[1])
+    settings = msgspec.json.decode(sys.argv[1], type=Settings)
+    decoder = msgspec.json.Decoder(Request)
     bench: Bench | None = None
-    for line in sys.stdin:
+    for line in sys.stdin.buffer:
+        reply: Reply
         try:
-            if bench is None:
-                collection = Collection.load(map(Path, settings["collections"]))
-                for folder in settings["methods"]:
-                    collection.add_method(Path(folder))
-                bench = Bench(collection, Path(settings["folder"]))
-            reply = _answer(bench, json.loads(line))
+            bench = bench or _bench(settings)
+            reply = _answer(bench, decoder.decode(line))
         except OitbenchError as error:
-            reply = {"error": str(error), "kind": type(error).__name__}
-        replies.write(json.dumps(sanitize(reply), allow_nan=False) + "\n")
+            reply = Refusal(str(error), type(error).__name__)
+        replies.write(msgspec.json.encode(reply) + b"\n")
         replies.flush()
 
 

@@ -20,8 +20,8 @@ import numpy.typing as npt
 from oitbench.errors import CapabilityError, UsageError
 from oitbench.gl.device import Device
 from oitbench.gl.frame import Frame, check_size
-from oitbench.gl.geometry import Geometry
 from oitbench.gl.probe import probe
+from oitbench.gl.uploaded_scene import UploadedScene
 from oitbench.measure.oracle import composite, transmittances
 from oitbench.method.declaration import Method
 from oitbench.plugins import Collection
@@ -139,19 +139,15 @@ def method_curve(
     rows = _RANDOM_ROWS if method.noisy else 1
     straight = replace(camera, position=(0, 0, 0), target=(0, 0, -1), up=(0, 1, 0))
     scene = Scene("visibility", straight, lists=instrument(fragments, rows))
-    geometry = Geometry(device, scene)
-    try:
-        effects = scene.effects & method.shows
-        frame = Frame(device, geometry, method, (len(fragments.z), rows), effects)
-        try:
-            frame.render()
-            values, noise = curve_of(frame.image(), len(fragments.z))
-            frame.render(transmittance=True)
-            total, total_noise = curve_of(frame.image(), 1)
-        finally:
-            frame.release()
-    finally:
-        geometry.release()
+    effects = scene.effects & method.shows
+    with (
+        UploadedScene(device, scene) as uploaded,
+        Frame(uploaded, method, (len(fragments.z), rows), effects) as frame,
+    ):
+        frame.render()
+        values, noise = curve_of(frame.image(), len(fragments.z))
+        frame.render(transmittance=True)
+        total, total_noise = curve_of(frame.image(), 1)
     curve = np.concatenate([_with_gaps(values, fragments), total])
     return curve, np.concatenate([noise, total_noise])
 
@@ -188,20 +184,16 @@ def measure(
     collection = Collection.load(collections)
     chosen = collection.expand_methods(methods or list(collection.methods))
     described = collection.build_scene(scene)
-    device = Device()
-    try:
+    with Device() as device:
         check_size(device, size)
-        geometry = Geometry(device, described)
-        found = probe(device, geometry, size, pixel)
-        geometry.release()
+        with UploadedScene(device, described) as uploaded:
+            found = probe(uploaded, size, pixel)
         if not len(found.z):
             raise UsageError(
                 f"{scene}: nothing transparent is at pixel {pixel[0]},{pixel[1]}"
                 f" of {size[0]}x{size[1]}; choose another"
             )
         return _measure_all(device, described, found, chosen, scene, pixel, size)
-    finally:
-        device.release()
 
 
 def _measure_all(

@@ -1,1 +1,1 @@
-"""What a method is: a declaration of targets, buffers and passes."""
+"""What a method is: parameters, promises, and a plan of targets, buffers and passes."""

@@ -1,16 +1,16 @@
-"""What can be left out of a picture, one effect at a time, to see what each costs and gains."""
+"""Effects left out one at a time, to measure the cost and the gain of each."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 
 from oitbench.effects import SHADING, Effect
-from oitbench.gl.draws.steps import passes_of
-from oitbench.method.declaration import Method
-from oitbench.plugins import folder_of
+from oitbench.method.declaration import Method, Request
 
+REQUESTED = "requested"
+"""On the axis of effects: all effects that the scene requests."""
 EACH = "each"
-"""On the axis of effects: all that are called for, then all but one, for every one in turn."""
+"""On the axis of effects: all requested effects, then all but one, for each one in turn."""
 
 NEEDS = {
     Effect.TRANSLUCENT_SHADOWS: Effect.SHADOWS,
@@ -18,39 +18,41 @@ NEEDS = {
     Effect.CAUSTICS: Effect.TRANSLUCENT_SHADOWS,
     Effect.INFERRED_AO: Effect.AMBIENT_OCCLUSION,
 }
-"""Effects that mean nothing without another one. Variance maps of translucent shadows need to know
-where opaque surfaces receive them."""
+"""Effects that are meaningless without another one. Variance maps of translucent shadows need the
+map of opaque receivers."""
 
 
-def leave_out(effects: Effect, left: Effect) -> Effect:
-    """Return `effects` without `left`, and without what means nothing without it."""
-    # From what others need to what needs them, so that one round does.
+def leave_out(effects: Effect, removed: Effect) -> Effect:
+    """Return `effects` without `removed` and without the effects that depend on them."""
+    # NEEDS lists an effect before those that depend on it, so one round is enough.
     for effect, needed in NEEDS.items():
-        if needed & left:
-            left |= effect
-    return effects & ~left
+        if needed & removed:
+            removed |= effect
+    return effects & ~removed
 
 
-def variants(called: Effect, method: Method) -> Iterator[str]:
-    """Yield "called", then "-name" for every called effect without which `method` draws otherwise.
+def effects_axis(requested: Effect, method: Method) -> Iterator[str]:
+    """Yield "requested", then "-name" for each requested effect that changes the method's picture.
 
-    Coverage is never left out: without it there is no transparency.
+    Coverage is never left out, since there is no transparency without it.
     """
-    yield "called"
+    yield REQUESTED
     for effect in Effect:
-        if effect & called & method.shows & ~Effect.COVERAGE and _answers(method, effect):
+        if effect & requested & method.shows & ~Effect.COVERAGE and _matters(
+            method, requested, effect
+        ):
             yield f"-{str(effect.name).lower()}"
 
 
-def _answers(method: Method, effect: Effect) -> bool:
-    """Tell whether anything that `method` draws depends on whether `effect` runs."""
+def _matters(method: Method, requested: Effect, effect: Effect) -> bool:
+    """Return whether anything that `method` draws depends on `effect`."""
     if effect & SHADING:
         return True
-    declared = [item.when for step in method.passes for item in passes_of(step)]
-    declared += [buffer.when for buffer in method.buffers.values()]
-    for target in method.targets.values():
-        declared += [target.when, *target.instead]
-    if any(effect & when for when in declared):
+    running = requested & method.shows
+    plans = [
+        method.plan(Request(effects, particles=True)) for effects in (running, running & ~effect)
+    ]
+    if plans[0] != plans[1]:
         return True
-    shaders = folder_of(type(method)).glob("*.glsl")
+    shaders = (path for folder in method.folders for path in folder.glob("*.glsl"))
     return any(f"EFFECT_{effect.name}" in path.read_text(encoding="utf-8") for path in shaders)

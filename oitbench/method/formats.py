@@ -1,4 +1,4 @@
-"""The one table of texture formats: what each costs and how OpenGL and GLSL name it."""
+"""The one table of texture formats: their cost, and their names in OpenGL and GLSL."""
 
 from __future__ import annotations
 
@@ -14,16 +14,16 @@ class Format:
     Parameters
     ----------
     name : str
-        Name as used in declarations, such as "rgba16f".
+        Name used in declarations, such as "rgba16f".
     components : int
     dtype : str
-        moderngl's element type ("f1" is normalized 8 bit).
+        Element type of moderngl ("f1" is normalized 8 bit).
     bytes : int
         Size of one texel, unpadded.
     step : float
-        Largest distance between neighbouring values in [0, 1]: what "one step of the format" means.
+        Largest distance of adjacent values in [0, 1].
     internal : int, optional
-        OpenGL's enumerant, where moderngl cannot derive it.
+        Enumerant of OpenGL, where moderngl cannot derive it.
     """
 
     name: str
@@ -72,6 +72,7 @@ FORMATS: dict[str, Format] = {
         Format("depth32f", 1, "f4", 4, _FULL),
     )
 }
+_BITS = {"half": "16f", "float": "32f"}
 
 
 def find(name: str) -> Format:
@@ -79,6 +80,19 @@ def find(name: str) -> Format:
     if name not in FORMATS:
         raise DeclarationError(str(unknown("texture format", name, FORMATS)))
     return FORMATS[name]
+
+
+def float_format(channels: str, precision: str) -> str:
+    """Return a floating-point format by precision: `("rgba", "half")` gives "rgba16f".
+
+    Parameters
+    ----------
+    channels : str
+        "r", "rg" or "rgba".
+    precision : str
+        "half" or "float".
+    """
+    return channels + _BITS[precision]
 
 
 GLSL_BYTES = {"float": 4, "uint": 4, "int": 4, "vec2": 8, "uvec2": 8, "vec4": 16, "uvec4": 16}

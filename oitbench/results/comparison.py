@@ -1,9 +1,9 @@
-"""Regressions: what a run came to, held against a baseline or another run.
+"""Comparison of a run with a baseline or with another run, to find regressions.
 
-Quality metrics may differ by what one table allows. Counts follow from a declaration and from what
-was drawn, so the same renderer must repeat them exactly; another may rasterize the edge of a
-triangle otherwise. Times are told where both sides have them from the same renderer, and never
-decide.
+One table states how far each quality metric may move. Counts follow from the declaration and from
+the rasterized samples, so the same renderer must repeat them exactly; another may rasterize the
+edge of a triangle differently. Times are reported where both sides have them from the same
+renderer, and never fail a comparison.
 """
 
 from __future__ import annotations
@@ -16,13 +16,13 @@ from typing import Any
 
 from oitbench.image import metrics
 from oitbench.results import baseline as baselines
-from oitbench.results.baseline import Row, Snapshot, Value
-from oitbench.results.records import FINISHED
+from oitbench.results.baseline import Entry, Row, Snapshot
+from oitbench.results.schema import FINISHED, TRUTHS
 
 MISSING, ORPHANED, CHANGED, LOST, WORSE = "missing", "orphaned", "changed", "lost", "worse"
 BETTER, SLOWER, FASTER = "better", "slower", "faster"
 REGRESSIONS = frozenset({MISSING, ORPHANED, CHANGED, LOST, WORSE})
-"""Verdicts that fail a comparison; the others are only told."""
+"""Verdicts that fail a comparison; the others are only reported."""
 
 
 @dataclass(frozen=True)
@@ -32,11 +32,11 @@ class Tolerance:
     Parameters
     ----------
     absolute : float
-        In the metric's own unit.
+        In the unit of the metric.
     relative : float
     higher_is_better : bool
     ceiling : float
-        Values above it show no difference, and count as it.
+        Values above it make no visible difference, and are replaced by it.
     """
 
     absolute: float
@@ -45,7 +45,7 @@ class Tolerance:
     ceiling: float = math.inf
 
     def judge(self, before: float, now: float) -> str | None:
-        """Return "worse", "better", or None where the values agree."""
+        """Return "worse" or "better", or None if the values agree."""
         before, now = min(before, self.ceiling), min(now, self.ceiling)
         change = before - now if self.higher_is_better else now - before
         if abs(change) <= self.absolute + self.relative * abs(before):
@@ -57,7 +57,7 @@ TOLERANCES: Mapping[str, Tolerance] = {
     metrics.FLIP_LDR: Tolerance(2e-3, 1e-2),
     metrics.FLIP_HDR: Tolerance(2e-3, 1e-2),
     metrics.SSIM: Tolerance(1e-3, higher_is_better=True),
-    # At 50 dB the error is below a step of 8 bits, and another rounding moves it by decibels.
+    # At 50 dB the error is below a step of 8 bits, and different rounding moves it by decibels.
     metrics.PSNR: Tolerance(0.2, higher_is_better=True, ceiling=50.0),
     metrics.RMSE: Tolerance(5e-4, 1e-2),
     metrics.RELMSE: Tolerance(1e-4, 2e-2),
@@ -65,36 +65,36 @@ TOLERANCES: Mapping[str, Tolerance] = {
     metrics.ORDER_SPREAD_MAX: Tolerance(1e-2, 5e-2),
     metrics.ORDER_SPREAD_MEAN: Tolerance(5e-4, 1e-2),
 }
-"""What each quality metric may move by, on any renderer. Half a step of a half float near 1 is
-2.4e-4; the absolute parts let the rounding of a few such steps pass, and nothing that shows."""
+"""Allowed change of each quality metric, on any renderer. Half a step of a half float near 1 is
+2.4e-4; the absolute parts allow the rounding of a few such steps, which is invisible."""
 
 SAME_COUNTS = Tolerance(0.0)
 OTHER_COUNTS = Tolerance(1.0, 2e-3)
-"""Counts of one renderer, and of two that may disagree about pixels on an edge."""
+"""For counts of one renderer, and of two that may rasterize pixels on an edge differently."""
 
 
 @dataclass(frozen=True)
-class Finding:
-    """One difference.
+class Difference:
+    """One difference between a run and a baseline.
 
     Parameters
     ----------
     cell : str
-        Scene, method, size and variant.
+        Scene, method, size and settings.
     field : str
-        What differs; empty if the whole cell does.
+        The field that differs; empty for a whole cell.
     before, now : int, float, str or None
-        The baseline's value and the run's.
+        The values of the baseline and of the run.
     verdict : str
-        "missing" (in the baseline alone), "orphaned" (in the run alone), "changed" (what must stay
-        as it is), "lost" (a value there is no more), "worse"; or, no regressions, "better",
-        "slower", "faster".
+        Regressions are "missing" (only in the baseline), "orphaned" (only in the run), "changed" (a
+        value that must not change), "lost" (a value that no longer exists) and "worse"; the others
+        are "better", "slower" and "faster".
     """
 
     cell: str
     field: str
-    before: Value
-    now: Value
+    before: Entry
+    now: Entry
     verdict: str
 
     @property
@@ -105,7 +105,7 @@ class Finding:
 
 @dataclass(frozen=True)
 class Comparison:
-    """How a run compares to a baseline.
+    """All differences between a run and a baseline.
 
     Parameters
     ----------
@@ -113,24 +113,24 @@ class Comparison:
         The renderers of the baseline and of the run.
     cells : int
         Cells that both have.
-    findings : tuple of Finding
+    differences : tuple of Difference
         Regressions first.
     """
 
     before: str
     now: str
     cells: int
-    findings: tuple[Finding, ...]
+    differences: tuple[Difference, ...]
 
     @property
-    def regressions(self) -> tuple[Finding, ...]:
-        """Findings that fail the comparison."""
-        return tuple(finding for finding in self.findings if finding.regression)
+    def regressions(self) -> tuple[Difference, ...]:
+        """Differences that fail the comparison."""
+        return tuple(item for item in self.differences if item.regression)
 
     @property
-    def improvements(self) -> tuple[Finding, ...]:
+    def improvements(self) -> tuple[Difference, ...]:
         """Metrics that became better by more than their tolerance."""
-        return tuple(finding for finding in self.findings if finding.verdict == BETTER)
+        return tuple(item for item in self.differences if item.verdict == BETTER)
 
     @property
     def passed(self) -> bool:
@@ -138,26 +138,26 @@ class Comparison:
         return not self.regressions
 
     def facts(self) -> dict[str, Any]:
-        """Return the comparison in JSON's own types."""
+        """Return the comparison in types that JSON can hold."""
         return {
             "passed": self.passed,
             "cells": self.cells,
             "renderer": {"before": self.before, "now": self.now},
-            "findings": [
-                {**asdict(finding), "regression": finding.regression} for finding in self.findings
+            "differences": [
+                {**asdict(item), "regression": item.regression} for item in self.differences
             ],
         }
 
     def __str__(self) -> str:
-        told = f"{self.cells} cells compared, {_count(self.regressions, 'regression')}"
-        told += f", {_count(self.improvements, 'improvement')}"
+        text = f"{self.cells} cells compared, {_count(self.regressions, 'regression')}"
+        text += f", {_count(self.improvements, 'improvement')}"
         if self.before != self.now:
-            told += f"; the baseline is of '{self.before}', this run of '{self.now}'"
-        return told
+            text += f"; the baseline is of '{self.before}', this run of '{self.now}'"
+        return text
 
 
 def compare(results: Path | str, baseline: Path | str) -> Comparison:
-    """Hold a results folder against a baseline.
+    """Compare a results folder with a baseline.
 
     Parameters
     ----------
@@ -169,37 +169,37 @@ def compare(results: Path | str, baseline: Path | str) -> Comparison:
     Raises
     ------
     UsageError
-        If one of the two cannot be read.
+        One of the two cannot be read.
     """
     return compare_snapshots(baselines.read(results), baselines.read(baseline))
 
 
 def compare_snapshots(now: Snapshot, before: Snapshot) -> Comparison:
-    """Hold what was read of a run against what was read of a baseline."""
-    findings = [Finding(cell, "", None, None, MISSING) for cell in before.rows.keys() - now.rows]
-    findings += [Finding(cell, "", None, None, ORPHANED) for cell in now.rows.keys() - before.rows]
+    """Compare the cells of a run with those of a baseline."""
+    found = [Difference(cell, "", None, None, MISSING) for cell in before.rows.keys() - now.rows]
+    found += [Difference(cell, "", None, None, ORPHANED) for cell in now.rows.keys() - before.rows]
     counts = SAME_COUNTS if now.renderer == before.renderer else OTHER_COUNTS
     common = before.rows.keys() & now.rows.keys()
     for cell in common:
         for name, verdict in _judge_row(before.rows[cell], now.rows[cell], counts):
             values = (before.rows[cell].get(name), now.rows[cell].get(name))
-            findings.append(Finding(cell, name, *values, verdict))
+            found.append(Difference(cell, name, *values, verdict))
     if now.renderer == before.renderer:
-        findings += _times(now, before)
-    findings.sort(key=lambda finding: (not finding.regression, finding.cell, finding.field))
-    return Comparison(before.renderer, now.renderer, len(common), tuple(findings))
+        found += _times(now, before)
+    found.sort(key=lambda item: (not item.regression, item.cell, item.field))
+    return Comparison(before.renderer, now.renderer, len(common), tuple(found))
 
 
 def _judge_row(before: Row, now: Row, counts: Tolerance) -> Iterator[tuple[str, str]]:
-    """Yield the fields of a cell that differ, with a verdict each.
+    """Yield the fields of a cell that differ, each with a verdict.
 
-    What the baseline does not hold is not judged: nothing says what it should be.
+    Fields that the baseline lacks are not judged.
     """
     for name in before:
         if name in now:
             verdict = _judge(name, before, now, counts)
         else:
-            # A cell without an image has no numbers; its status says so once.
+            # A cell without an image has no numbers; its status already says so.
             verdict = LOST if now["status"] in FINISHED else None
         if verdict is not None:
             yield name, verdict
@@ -207,7 +207,7 @@ def _judge_row(before: Row, now: Row, counts: Tolerance) -> Iterator[tuple[str, 
 
 def _judge(name: str, before: Row, now: Row, counts: Tolerance) -> str | None:
     truth, _, metric = name.partition(".")
-    if truth in baselines.TRUTHS:
+    if truth in TRUTHS:
         return _judge_metric(metric, _score(truth, metric, before), _score(truth, metric, now))
     value, other = before[name], now[name]
     if isinstance(value, int | float) and isinstance(other, int | float):
@@ -224,7 +224,7 @@ def _judge_metric(name: str, before: float | None, now: float | None) -> str | N
 
 
 def _score(truth: str, name: str, row: Row) -> float | None:
-    """Return a metric; the ratio of two equal images, which has no finite value, is infinite."""
+    """Return a metric; the PSNR of two equal images, which has no finite value, is infinite."""
     value = row[f"{truth}.{name}"]
     equal = name == metrics.PSNR and row.get(f"{truth}.{metrics.RMSE}") is not None
     if value is None:
@@ -232,14 +232,14 @@ def _score(truth: str, name: str, row: Row) -> float | None:
     return float(value)
 
 
-def _times(now: Snapshot, before: Snapshot) -> Iterator[Finding]:
+def _times(now: Snapshot, before: Snapshot) -> Iterator[Difference]:
     """Yield the cells whose 95 % intervals of frame time do not overlap."""
     for cell in now.times.keys() & before.times.keys():
-        (old, old_low, old_high), (new, new_low, new_high) = before.times[cell], now.times[cell]
-        if new_low > old_high or new_high < old_low:
-            verdict = SLOWER if new > old else FASTER
-            yield Finding(cell, "frame_ms", round(old, 3), round(new, 3), verdict)
+        old, new = before.times[cell], now.times[cell]
+        if new.low > old.high or new.high < old.low:
+            verdict = SLOWER if new.median > old.median else FASTER
+            yield Difference(cell, "frame_ms", round(old.median, 3), round(new.median, 3), verdict)
 
 
-def _count(findings: tuple[Finding, ...], word: str) -> str:
-    return f"{len(findings)} {word}{'' if len(findings) == 1 else 's'}"
+def _count(differences: tuple[Difference, ...], word: str) -> str:
+    return f"{len(differences)} {word}{'' if len(differences) == 1 else 's'}"

@@ -5,83 +5,36 @@ from __future__ import annotations
 import hashlib
 import json
 import logging
-import math
 import os
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import TypeVar
 
-import numpy as np
+import msgspec
 
 from oitbench.errors import UsageError
-
-Record = dict[str, Any]
-"""One cell of the matrix of scenes and methods, as `cells.jsonl` holds it."""
+from oitbench.results.schema import VERSION, CellKey, Record, RunFacts
 
 CELLS = "cells.jsonl"
 RUN = "run.json"
 IMAGES = "images"
 _OURS = frozenset({CELLS, RUN, IMAGES, "report"})
 _LOG = logging.getLogger(__name__)
-
-
-@dataclass(frozen=True)
-class CellKey:
-    """What tells one cell from another.
-
-    Parameters
-    ----------
-    scene, method : str
-        Labels with those parameters that differ from their defaults.
-    size : (int, int)
-        Width and height in pixels.
-    variant : str
-        The cell's variant mapping (sub-pixel grid, effects, …) as canonical JSON.
-    """
-
-    scene: str
-    method: str
-    size: tuple[int, int]
-    variant: str
-
-    @classmethod
-    def of(cls, record: Mapping[str, Any]) -> CellKey:
-        """Return the key of `record`; KeyError if it lacks one of the four fields."""
-        width, height = record["size"]
-        variant = json.dumps(sanitize(record["variant"]), sort_keys=True)
-        return cls(record["scene"], record["method"], (int(width), int(height)), variant)
-
-
-def sanitize(value: Any) -> Any:
-    """Return `value` as plain JSON: floats that are not finite become None.
-
-    Raises
-    ------
-    TypeError
-        For anything that JSON has no word for.
-    """
-    if isinstance(value, np.generic | np.ndarray):
-        value = value.tolist()
-    if value is None or isinstance(value, bool | int | str):
-        return value
-    if isinstance(value, float):
-        return value if math.isfinite(value) else None
-    if isinstance(value, Mapping):
-        return {str(key): sanitize(item) for key, item in value.items()}
-    if isinstance(value, list | tuple):
-        return [sanitize(item) for item in value]
-    if isinstance(value, Path):
-        return value.as_posix()
-    raise TypeError(f"{type(value).__name__} cannot be stored in a results folder")
+Typed = TypeVar("Typed", Record, RunFacts)
 
 
 def read_cells(path: Path) -> dict[CellKey, Record]:
-    """Read a `cells.jsonl`, in order of first appearance; a later line supersedes an earlier one.
+    """Read a `cells.jsonl`, in order of first appearance; a later line replaces an earlier one.
 
-    A line that cannot be read, as a killed run leaves behind, is left out and logged as a warning.
+    A damaged line, as a killed run leaves behind, is skipped and logged as a warning.
+
+    Raises
+    ------
+    UsageError
+        The file cannot be read, or another version of the suite wrote it.
     """
     cells: dict[CellKey, Record] = {}
     try:
@@ -94,36 +47,54 @@ def read_cells(path: Path) -> dict[CellKey, Record]:
         if not line.strip():
             continue
         try:
-            record = json.loads(line, parse_constant=lambda _: None)
-            key = CellKey.of(record)
-            hash(key)
-        except (ValueError, KeyError, TypeError):
-            _LOG.warning("%s: line %d is damaged and left out; its cell runs again", path, number)
+            record = _decode(line, Record, path)
+        except ValueError:
+            _LOG.warning("%s: line %d is damaged and skipped; its cell runs again", path, number)
             continue
-        cells[key] = record
+        cells[record.key] = record
     return cells
 
 
-def read_run(path: Path) -> dict[str, Any]:
-    """Read a `run.json`; empty if there is none, `UsageError` if it is damaged."""
+def read_run(path: Path) -> RunFacts | None:
+    """Read a `run.json`; None if there is none.
+
+    Raises
+    ------
+    UsageError
+        The file is damaged, or another version of the suite wrote it.
+    """
     try:
-        facts = json.loads(path.read_bytes())
+        return _decode(path.read_bytes(), RunFacts, path)
     except FileNotFoundError:
-        return {}
+        return None
     except (OSError, ValueError) as error:
         raise UsageError(f"{path} is damaged; delete it and run again") from error
-    if not isinstance(facts, dict):
-        raise UsageError(f"{path} holds no facts of a run; delete it and run again")
-    return facts
+
+
+def _decode(text: bytes, kind: type[Typed], path: Path) -> Typed:
+    """Return the record or the facts in `text`; raise `ValueError` if it is damaged."""
+    try:
+        return msgspec.json.decode(text, type=kind)
+    except (msgspec.DecodeError, UnicodeDecodeError) as error:
+        try:
+            content = json.loads(text)
+        except ValueError:
+            content = None
+        if isinstance(content, dict) and content and content.get("schema") != VERSION:
+            raise UsageError(
+                f"{path} was written by another version of oitbench (schema"
+                f" {content.get('schema', 0)}, this one has {VERSION}); use a new folder"
+            ) from error
+        raise ValueError(str(error)) from error
 
 
 def image_path(key: CellKey, kind: str) -> str:
-    """Return where an image of a cell goes, relative to the folder: `images/….exr`.
+    """Return the path of an image of a cell below the results folder: `images/….exr`.
 
-    Labels hold brackets and slashes, so the readable part of the name is followed by a digest.
+    Labels contain brackets and slashes, so a digest follows the readable part of the name.
     """
     readable = re.sub(r"[^A-Za-z0-9._=-]+", "_", f"{key.scene}-{key.method}").strip("_.")
-    digest = hashlib.sha256(repr(key).encode()).hexdigest()[:8]
+    digest = hashlib.sha256(msgspec.json.encode(key)).hexdigest()[:8]
     return f"{IMAGES}/{readable[:80]}-{key.size[0]}x{key.size[1]}-{digest}-{kind}.exr"
 
 
@@ -136,12 +107,13 @@ class Store:
 
     @classmethod
     def open(cls, folder: Path | str) -> Store:
-        """Open a results folder, made if need be.
+        """Open a results folder; it is created if it does not exist.
 
         Raises
         ------
         UsageError
-            If the folder cannot be written to, or holds something else than results.
+            The folder cannot be written to, holds something other than results, or results of
+            another version of the suite.
         """
         folder = Path(folder)
         _refuse_foreign(folder)
@@ -164,46 +136,45 @@ class Store:
         """Return the newest record of that cell, or None."""
         return self._cells.get(key)
 
-    def append(self, record: Mapping[str, Any]) -> None:
-        """Add a record; when this returns, it is on the disk."""
-        stored: Record = sanitize(record)
-        key = CellKey.of(stored)
-        line = _line(stored)
+    def append(self, record: Record) -> None:
+        """Add a record; it is on the disk when this returns."""
+        line = _line(record)
+        stored = msgspec.json.decode(line, type=Record)
         path = self.folder / CELLS
         with _writing(path):
             descriptor = os.open(path, os.O_RDWR | os.O_APPEND | os.O_CREAT, 0o644)
             try:
                 if not _ends_with_newline(descriptor):
-                    # A killed run left half a line; it must not swallow this one.
+                    # A killed run left half a line, which must not swallow this one.
                     line = b"\n" + line
                 while line:
                     line = line[os.write(descriptor, line) :]
                 os.fsync(descriptor)
             finally:
                 os.close(descriptor)
-        self._cells[key] = stored
+        self._cells[stored.key] = stored
 
     def compact(self) -> None:
-        """Rewrite `cells.jsonl` with one line per cell, all at once."""
+        """Rewrite `cells.jsonl` with one line per cell, atomically."""
         _replace(self.folder / CELLS, b"".join(_line(record) for record in self.records()))
 
-    def write_run(self, facts: Mapping[str, Any]) -> None:
-        """Write `run.json`, all at once.
+    def write_run(self, facts: RunFacts) -> None:
+        """Write `run.json`, atomically.
 
         Raises
         ------
         UsageError
-            If the folder's cells come from another renderer: their times share no axis.
+            The folder's cells come from another renderer: their times share no axis.
         """
-        before = _renderer(read_run(self.folder / RUN))
-        now = _renderer(facts)
-        if self._cells and before and now and before != now:
+        known = read_run(self.folder / RUN)
+        before = known.renderer if known else ""
+        if self._cells and before and facts.renderer and before != facts.renderer:
             raise UsageError(
-                f"{self.folder} holds cells rendered by '{before}', but this is '{now}'; "
-                "give another folder"
+                f"{self.folder} holds cells rendered by '{before}', but this is"
+                f" '{facts.renderer}'; give another folder"
             )
-        text = json.dumps(sanitize(facts), indent=2, allow_nan=False, ensure_ascii=False)
-        _replace(self.folder / RUN, text.encode() + b"\n")
+        text = msgspec.json.format(msgspec.json.encode(facts), indent=2)
+        _replace(self.folder / RUN, text + b"\n")
 
 
 def _refuse_foreign(folder: Path) -> None:
@@ -219,13 +190,8 @@ def _refuse_foreign(folder: Path) -> None:
         )
 
 
-def _renderer(facts: Mapping[str, Any]) -> str:
-    gl = facts.get("gl")
-    return str(gl.get("renderer", "")) if isinstance(gl, Mapping) else ""
-
-
-def _line(record: Mapping[str, Any]) -> bytes:
-    return json.dumps(record, allow_nan=False, ensure_ascii=False).encode() + b"\n"
+def _line(record: Record) -> bytes:
+    return msgspec.json.encode(record) + b"\n"
 
 
 def _ends_with_newline(descriptor: int) -> bool:

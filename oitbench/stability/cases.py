@@ -14,7 +14,8 @@ from math import prod
 import numpy as np
 
 from oitbench.measure.oracle import composite, transmittances
-from oitbench.method.declaration import Draws, Loop, Method
+from oitbench.method.declaration import Method, Request
+from oitbench.method.passes import Gather, Loop
 from oitbench.modeling.mesh import box
 from oitbench.scene import BLACK, RGB, WHITE, Camera, FragmentLists, Material, Object, Scene
 from oitbench.stability.check import Bound, Check, Comparison, Photo, Picture
@@ -163,8 +164,9 @@ def _deep_stacks() -> Iterable[Check]:
 
 
 def _peels(method: Method) -> str:
-    loops = [item for item in method.passes if isinstance(item, Loop) and item.until_empty]
-    peeling = any(item.draws is Draws.FRAGMENTS for loop in loops for item in loop.passes)
+    steps = method.plan(Request()).passes
+    loops = [item for item in steps if isinstance(item, Loop) and item.until_empty]
+    peeling = any(isinstance(item, Gather) for loop in loops for item in loop.passes)
     return "3000 geometry passes of 3000 layers take too long" if peeling else ""
 
 
@@ -322,7 +324,7 @@ def _crossing_boxes() -> Scene:
 
 
 def _antialiased(method: Method) -> str:
-    return "edges are antialiased; the exact picture's are not" if method.samples > 1 else ""
+    return "edges are antialiased; the exact picture's are not" if method.sample_count > 1 else ""
 
 
 def _random_methods() -> Iterable[Check]:

@@ -47,9 +47,9 @@ def identities() -> tuple[Check, ...]:
     """Return the identities in their order."""
     return (
         _without_transparency(),
-        _truthful("U2", "one layer gives αL + (1 − α)C0", random_lists(1)),
+        _truthful("single_layer_exact", "one layer gives αL + (1 − α)C0", random_lists(1)),
         _truthful(
-            "U2c",
+            "colored_layer_exact",
             "one layer of colored glass gives αL + τC0",
             random_lists(1, tinted=True),
             Effect.COLORED_TRANSMISSION,
@@ -89,7 +89,9 @@ def _without_transparency() -> Check:
         yield Comparison(photos[0].image, photos[0].opaque, bound=Bound.EQUAL)
 
     sentence = "nothing transparent leaves the opaque picture as it is, bit for bit"
-    return Check("U1", sentence, (Picture(scene, (SIDE, SIDE)),), compare, identity=True)
+    return Check(
+        "opaque_unchanged", sentence, (Picture(scene, (SIDE, SIDE)),), compare, identity=True
+    )
 
 
 def _identical_layers() -> Check:
@@ -102,7 +104,7 @@ def _identical_layers() -> Check:
         yield Comparison(photos[0].image, expected[None, None], count)
 
     sentence = "N equal layers at N depths give L(1 − (1 − α)^N) + C0(1 − α)^N"
-    return _identity("U3", sentence, [scene_of(stack(layers))], compare)
+    return _identity("equal_layers_exact", sentence, [scene_of(stack(layers))], compare)
 
 
 def _permuted_draws() -> Check:
@@ -114,7 +116,7 @@ def _permuted_draws() -> Check:
             yield Comparison(photo.image, photos[0].image, count)
 
     sentence = f"{PERMUTATIONS} random orders of the draws give one picture"
-    return Check("U4", sentence, tuple(pictures), compare, identity=True)
+    return Check("order_independent", sentence, tuple(pictures), compare, identity=True)
 
 
 def _opaque_front() -> Check:
@@ -127,7 +129,7 @@ def _opaque_front() -> Check:
             yield Comparison(photo.image, np.array(front.radiance)[None, None], 4)
 
     sentence = "an opaque front layer hides all behind it, whenever it is drawn"
-    return _identity("U5", sentence, [scene_of(item) for item in lists], compare)
+    return _identity("opaque_front_hides", sentence, [scene_of(item) for item in lists], compare)
 
 
 def _black_layers() -> Check:
@@ -139,7 +141,7 @@ def _black_layers() -> Check:
         yield Comparison(photos[0].image, expected, 6)
 
     sentence = "black layers attenuate the background by Π(1 − α)"
-    return _identity("U6", sentence, [scene_of(lists)], compare)
+    return _identity("total_transmittance_exact", sentence, [scene_of(lists)], compare)
 
 
 def _layers_without_coverage() -> Check:
@@ -153,7 +155,7 @@ def _layers_without_coverage() -> Check:
         yield Comparison(photos[2].image, photos[2].opaque, bound=Bound.EQUAL)
 
     sentence = "layers with α = 0 change nothing, bit for bit"
-    return _identity("U7", sentence, scenes, compare)
+    return _identity("zero_coverage_ignored", sentence, scenes, compare)
 
 
 def _white_furnace() -> Check:
@@ -164,7 +166,7 @@ def _white_furnace() -> Check:
         yield Comparison(photos[0].image, np.ones((1, 1, 3)), 6)
 
     sentence = "white layers before a white background vanish (white furnace)"
-    return _identity("U8", sentence, [scene_of(lists, WHITE)], compare)
+    return _identity("white_furnace", sentence, [scene_of(lists, WHITE)], compare)
 
 
 def _swapped_depths() -> Check:
@@ -176,7 +178,7 @@ def _swapped_depths() -> Check:
             yield Comparison(photo.image, composite(lists, BACKGROUND), 2)
 
     sentence = "two layers that swap depths swap their shares, the draws as before"
-    return _identity("U9", sentence, [scene_of(lists) for lists in pair], compare)
+    return _identity("two_layers_ordered", sentence, [scene_of(lists) for lists in pair], compare)
 
 
 def _scaled_radiance() -> Check:
@@ -189,7 +191,9 @@ def _scaled_radiance() -> Check:
         yield Comparison(photos[1].image / factor, photos[0].image, 8)
 
     sentence = f"radiance times {factor:g} everywhere gives the picture times {factor:g}"
-    return _identity("U10", sentence, [scene_of(lists), scene_of(brighter, background)], compare)
+    return _identity(
+        "scales_with_radiance", sentence, [scene_of(lists), scene_of(brighter, background)], compare
+    )
 
 
 def _falling_visibility() -> Check:
@@ -204,7 +208,7 @@ def _falling_visibility() -> Check:
         yield Comparison(values[None], falling[None], len(depths), noise=2 * float(noise.max()))
 
     sentence = "visibility lies in [0, 1] and never rises with depth"
-    return _identity("U11", sentence, [scene], compare)
+    return _identity("visibility_monotonic", sentence, [scene], compare)
 
 
 def _halved_resolution() -> Check:
@@ -227,7 +231,12 @@ def _halved_resolution() -> Check:
     pictures = [Picture(scene, (k * width, k * height)) for scene in scenes for k in (1, 2)]
     sentence = "halving the resolution halves refraction and diffusion in pixels"
     return Check(
-        "U12", sentence, tuple(pictures), compare, excuse=_without_refraction, identity=True
+        "resolution_independent",
+        sentence,
+        tuple(pictures),
+        compare,
+        excuse=_without_refraction,
+        identity=True,
     )
 
 

@@ -13,11 +13,11 @@ from oitbench import parameters as selector
 from oitbench.errors import CapabilityError, OitbenchError
 from oitbench.gl.device import Device
 from oitbench.gl.frame import Frame
-from oitbench.gl.geometry import Geometry
+from oitbench.gl.uploaded_scene import UploadedScene
 from oitbench.image import metrics
 from oitbench.image.files import Image
 from oitbench.method.declaration import Method
-from oitbench.parameters import Parameter
+from oitbench.parameters import AnyParameter
 from oitbench.plugins import Collection
 from oitbench.stability.cases import cases
 from oitbench.stability.check import Bound, Check, Comparison, Photo, Picture, Values
@@ -76,7 +76,7 @@ def run(
     return sorted(found, key=lambda finding: order[finding.method])
 
 
-def _choices(parameter: Parameter) -> tuple[selector.Value, ...]:
+def _choices(parameter: AnyParameter) -> tuple[selector.Value, ...]:
     return parameter.choices or parameter.grid or (parameter.default,)
 
 
@@ -89,7 +89,7 @@ def _run_check(
     device: Device, collection: Collection, methods: Sequence[Method], check: Check
 ) -> Iterator[Finding]:
     scenes = {id(picture.scene): picture.scene for picture in check.pictures}
-    geometries = {key: Geometry(device, scene) for key, scene in scenes.items()}
+    geometries = {key: UploadedScene(device, scene) for key, scene in scenes.items()}
     darkroom = _Darkroom(device, geometries)
     exact: list[Image | None] = [None] * len(check.pictures)
     if check.exact:
@@ -102,7 +102,7 @@ def _run_check(
 class _Darkroom:
     """Takes pictures of the scenes of one check; all methods share its geometries."""
 
-    def __init__(self, device: Device, geometries: dict[int, Geometry]) -> None:
+    def __init__(self, device: Device, geometries: dict[int, UploadedScene]) -> None:
         self.device, self.geometries = device, geometries
 
     def take(
@@ -132,7 +132,7 @@ class _Darkroom:
         width, height = picture.pixels
         effects = picture.scene.effects & method.shows
         geometry = self.geometries[id(picture.scene)]
-        return Frame(self.device, geometry, method, (width * copies, height * copies), effects)
+        return Frame(geometry, method, (width * copies, height * copies), effects)
 
     def release(self) -> None:
         for geometry in self.geometries.values():
@@ -143,7 +143,7 @@ def _examine(
     darkroom: _Darkroom, method: Method, check: Check, exact: Sequence[Image | None]
 ) -> Finding:
     """Take a check's pictures with one method and judge them."""
-    promised = check.identity and check.id in method.holds
+    promised = check.identity and check.id in method.promised
     head = (method.label, method.name, check.id, check.sentence, check.identity)
     reason = check.reason_against(method)
     if reason:

@@ -6,8 +6,10 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from oitbench.gl.draws.steps import passes_of
-from oitbench.method.declaration import Draws, Loop, Method, Pass, Target
+from oitbench.method.steps import passes_of
+from oitbench.method.storage import Target
+from oitbench.method.declaration import Method, Plan, Request
+from oitbench.method.passes import Gather, Loop, Pass
 
 _SINGLE = 2.0**-23
 _OPERATIONS = 8
@@ -30,10 +32,11 @@ def allowed(method: Method, layers: int, magnitude: float) -> float:
     magnitude : float
         Largest radiance involved.
     """
-    targets = {"color": Target("rgba16f"), **method.targets}
+    plan = method.plan(Request(method.shows, particles=True))
+    targets = {"color": Target("rgba16f"), **plan.targets}
     error = step(targets["color"], 1.0) * magnitude
-    for item, repeated in _passes(method):
-        writes = layers if repeated or item.draws is Draws.FRAGMENTS else 1
+    for item, repeated in _passes(plan):
+        writes = layers if repeated or isinstance(item, Gather) else 1
         for name in item.writes:
             if targets[name].texel.integer:
                 continue  # its rounding is the record's
@@ -55,8 +58,8 @@ def step(target: Target, magnitude: float) -> float:
     return float(entry.step * 2.0 ** (np.floor(np.log2(max(magnitude, 0.5))) + 1))
 
 
-def _passes(method: Method) -> Iterator[tuple[Pass, bool]]:
+def _passes(plan: Plan) -> Iterator[tuple[Pass, bool]]:
     """Yield every pass, and whether it may run once a layer."""
-    for item in method.passes:
+    for item in plan.passes:
         for single in passes_of(item):
             yield single, isinstance(item, Loop)

@@ -1,180 +1,166 @@
-"""A chain of draws into textures of its own: what shading needs before a frame can be drawn."""
+"""A chain of the engine's own passes into textures: shadow maps, occlusion, opaque surfaces."""
 
 from __future__ import annotations
 
-import time
-from collections.abc import Mapping
-from dataclasses import dataclass
+import math
+from collections.abc import Hashable, Mapping
+from dataclasses import dataclass, field, replace
 
 import moderngl
 
+from oitbench.gl.batches import Batch, IndexOrder
 from oitbench.gl.device import Device
-from oitbench.gl.draws.steps import PassRecord
-from oitbench.gl.geometry import Batch
-from oitbench.gl.program.passes import Blueprint, CompiledPass, attach, compile_pass
-from oitbench.method.declaration import Order, Pass, Target
+from oitbench.gl.draws.executor import CompiledStep, Executor
+from oitbench.gl.draws.records import PassRecord, Term, terms_of
+from oitbench.gl.geometry import Geometry
+from oitbench.gl.ownership import Owner
+from oitbench.gl.program.passes import Blueprint, attach, compile_pass
+from oitbench.gl.tiling import Scissor
+from oitbench.method.passes import Gather, Pass
+from oitbench.method.storage import Target
 
-Moved = tuple[str, str, str, int, int]
-"""Pass, resource, kind, items, bytes of each: what `oitbench.accounting` makes a term of."""
+Size = tuple[int, int]
+
+
+@dataclass
+class Measurement:
+    """Measurements of the passes of one or more chains.
+
+    Parameters
+    ----------
+    records : dict of str to PassRecord
+        One record per label.
+    terms : list of Term
+        Traffic.
+    """
+
+    records: dict[str, PassRecord] = field(default_factory=dict)
+    terms: list[Term] = field(default_factory=list)
 
 
 @dataclass(frozen=True)
 class _Link:
-    """One compiled pass with what it draws: a batch's indices, or the screen."""
+    """The inputs of one pass's accounts."""
 
     label: str
-    compiled: CompiledPass
-    indices: moderngl.Buffer | None
-    writes: tuple[str, ...]
-    reads: Mapping[str, int]
-    clears: bool
+    step: Pass
+    names: Mapping[str, str]
+    taps: Mapping[str, int]
 
 
-class Chain:
-    """Draws that are issued in order, and measured if asked to.
+class Chain(Owner):
+    """Passes of the engine that are issued in order, and measured on request.
 
     Parameters
     ----------
     device : Device
+    geometry : Geometry
     targets : mapping of str to Target
     sizes : mapping of str to (int, int)
         Width and height of each target.
     view : moderngl.Buffer
-        The uniform block `View`; released with the chain.
+        The uniform block `View`; it belongs to the caller.
+    textures : mapping of str to moderngl.Texture, optional
+        Existing textures for some of the targets; they belong to the caller.
 
     Attributes
     ----------
     textures : dict of str to moderngl.Texture
+    framebuffers : dict of str to moderngl.Framebuffer
+        One per target.
     """
 
     def __init__(
         self,
         device: Device,
+        geometry: Geometry,
         targets: Mapping[str, Target],
-        sizes: Mapping[str, tuple[int, int]],
+        sizes: Mapping[str, Size],
         view: moderngl.Buffer,
+        textures: Mapping[str, moderngl.Texture] | None = None,
     ) -> None:
-        self._device, self._targets, self._sizes, self._view = device, targets, sizes, view
-        self.textures = {k: device.texture(sizes[k], t.texel) for k, t in targets.items()}
-        self._framebuffers = {
-            name: attach(device, texture, targets[name].texel)
-            for name, texture in self.textures.items()
-        }
+        super().__init__()
+        self._device, self._geometry = device, geometry
+        self._targets, self._sizes = targets, sizes
+        self.textures = dict(textures or {})
+        self._allocated = [name for name in targets if name not in self.textures]
+        with self.building():
+            for name in self._allocated:
+                self.textures[name] = self.own(device.texture(sizes[name], targets[name].texel))
+            self.framebuffers = {
+                name: self.own(attach(device, self.textures[name], target.texel))
+                for name, target in targets.items()
+            }
+        self._executor = Executor(device, {1: view})
+        self._steps: list[CompiledStep] = []
         self._links: list[_Link] = []
+        self._orders: dict[Hashable, IndexOrder] = {}
 
     def add(
         self,
-        label: str,
-        blueprint: Blueprint,
         step: Pass,
-        writes: tuple[str, ...],
-        reads: Mapping[str, int] | None = None,
+        blueprint: Blueprint,
+        label: str = "",
         batch: Batch | None = None,
-        clears: bool = False,
-        textures: Mapping[str, moderngl.Texture] | None = None,
+        taps: Mapping[str, int] | None = None,
+        names: Mapping[str, str] | None = None,
     ) -> None:
-        """Append a draw; nothing, if its batch is empty and it clears nothing.
+        """Append a pass. A gather pass over an empty batch is kept only for its clears.
 
         Parameters
         ----------
-        label : str
-            Of its record; several may share one.
+        step : Gather or Resolve
         blueprint : Blueprint
-        step : Pass
-        writes : tuple of str
-            Targets that it fills.
-        reads : mapping of str to int
-            Texels of each target that one output needs.
+            Without targets: they are those of the chain.
+        label : str
+            Name of its record, which several passes can share.
         batch : Batch, optional
-            What is drawn; the screen without.
-        clears : bool
-            Whether its targets are cleared just before.
-        textures : mapping of str to moderngl.Texture
-            What the names in `step` stand for, where they are not the targets' own.
+            Triangles that a gather pass draws.
+        taps : mapping of str to int, optional
+            Texels of each read target that one output needs, by the names in `step`.
+        names : mapping of str to str, optional
+            Targets that names in `step` stand for, where they differ.
         """
-        indices = None
+        if isinstance(step, Gather) and not batch and not step.clears:
+            return
+        aliases = {name: name for name in self._targets} | dict(names or {})
+        textures = {alias: self.textures[name] for alias, name in aliases.items()}
+        named = replace(blueprint, targets=self._named(aliases))
+        compiled = compile_pass(self._device, self._geometry, named, step, textures, batch)
+        self._steps.append(self.own(CompiledStep(step, ((compiled,),))))
+        self._links.append(_Link(label, step, aliases, taps or {}))
         if batch is not None:
-            triangles = batch.arrange(Order.SUBMISSION)[0]
-            if not len(triangles) and not clears:
-                return
-            # What is read must have been cleared: a triangle without area draws nothing.
-            indices = self._device.context.buffer(triangles.tobytes() or bytes(12))
-        compiled = compile_pass(blueprint, step, textures or self.textures)
-        self._links.append(_Link(label, compiled, indices, writes, reads or {}, clears))
+            self._orders[batch] = self._geometry.in_submission_order(batch)
 
-    def issue(self) -> None:
-        """Issue all draws."""
-        for link in self._links:
-            self._begin(link)
-            self._draw(link)
+    def issue(self, scissor: Scissor | None = None) -> None:
+        """Issue all passes."""
+        self._executor.issue(self._steps, self._orders, scissor)
 
-    def measure(self, records: dict[str, PassRecord]) -> list[Moved]:
-        """Do the same, waiting for every draw; return what was moved.
+    def measure(self, into: Measurement) -> None:
+        """Issue all passes, wait for each, and add the measurements to `into`."""
+        records = [PassRecord(link.label) for link in self._links]
+        self._executor.issue(self._steps, self._orders, records=records)
+        for link, record in zip(self._links, records, strict=True):
+            into.terms += self._terms(link, record)
+            total = into.records.setdefault(link.label, PassRecord(link.label))
+            total.runs += record.runs
+            total.fragments += record.fragments
+            total.milliseconds += record.milliseconds
 
-        Parameters
-        ----------
-        records : dict of str to PassRecord
-            Gains or adds to one record a label.
-        """
-        moved: list[Moved] = []
-        for link in self._links:
-            start = time.perf_counter()
-            query = self._device.context.query(samples=True)
-            self._begin(link)
-            with query:
-                self._draw(link)
-            self._device.finish()
-            items = int(query.samples)
-            record = records.setdefault(link.label, PassRecord(link.label))
-            record.runs += 1
-            record.fragments += items
-            record.milliseconds += 1e3 * (time.perf_counter() - start)
-            moved += self._moved(link, items)
-        return moved
+    def _named(self, aliases: Mapping[str, str]) -> dict[str, Target]:
+        return {alias: self._targets[name] for alias, name in aliases.items()}
 
-    def _moved(self, link: _Link, items: int) -> list[Moved]:
-        moved: list[Moved] = []
-        for name, texels in link.reads.items():
-            size = self._targets[name].texel.bytes
-            moved.append((link.label, name, "read", texels * items, size))
-        for name in link.writes:
-            size, (width, height) = self._targets[name].texel.bytes, self._sizes[name]
-            if link.clears:
-                moved.append((link.label, name, "clear", width * height, size))
-            if link.indices is not None:
-                moved.append((link.label, name, "blend", items, size))
-            moved.append((link.label, name, "write", items, size))
-        return moved
+    def _terms(self, link: _Link, record: PassRecord) -> list[Term]:
+        def texels(alias: str) -> int:
+            return math.prod(self._sizes[link.names[alias]])
 
-    def _begin(self, link: _Link) -> None:
-        for name in link.writes if link.clears else ():
-            self._framebuffers[name].use()
-            self._framebuffers[name].scissor = (0, 0, *self._sizes[name])
-            self._device.clear(0, self._targets[name].texel, self._targets[name].clear)
-        link.compiled.begin(self._view, (0, 0, *self._sizes[link.writes[0]]))
-
-    @staticmethod
-    def _draw(link: _Link) -> None:
-        if link.indices is None:
-            link.compiled.draw_screen()
-        else:
-            link.compiled.draw(link.indices, 0, link.indices.size // 12)
+        terms = terms_of(link.step, record, self._named(link.names), texels, {}, link.taps)
+        return [replace(term, resource=link.names[term.resource]) for term in terms]
 
     def memory(self) -> list[tuple[str, int]]:
-        """Return (target, bytes)."""
+        """Return (target, bytes) of the chain's own textures."""
         return [
             (name, width * height * self._targets[name].texel.bytes)
             for name, (width, height) in self._sizes.items()
+            if name in self._allocated
         ]
-
-    def release(self) -> None:
-        """Free the device's memory."""
-        for link in self._links:
-            link.compiled.release()
-            if link.indices is not None:
-                link.indices.release()
-        for framebuffer in self._framebuffers.values():
-            framebuffer.release()
-        for texture in self.textures.values():
-            texture.release()
-        self._view.release()

@@ -1,81 +1,91 @@
-"""One pass, compiled: program, framebuffer, textures and every piece of state that it needs."""
+"""One compiled pass: program, framebuffer, textures and every piece of state that it needs."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Hashable, Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import moderngl
 
 from oitbench.effects import Effect
-from oitbench.errors import CapabilityError, DeclarationError, unknown
+from oitbench.errors import CapabilityError, DeclarationError
+from oitbench.gl.capabilities import FETCH, SPIN_LOCK
 from oitbench.gl.device import Device
 from oitbench.gl.geometry import VERTEX, VERTEX_FORMAT, Geometry
-from oitbench.gl.program import prelude
-from oitbench.gl.program.prelude import Bindings
+from oitbench.gl.program import accessors, prelude
+from oitbench.gl.program.bindings import VIEW_BINDING, Bindings
 from oitbench.gl.program.source import Source
-from oitbench.method.declaration import Buffer, Draws, Method, Pass, Target
+from oitbench.gl.shading.inputs import UNLIT, Sampled, ShadingInputs
+from oitbench.gl.tiling import Scissor
 from oitbench.method.formats import Format
+from oitbench.method.passes import OPAQUE_DEPTH, Gather, Pass, Resolve
+from oitbench.method.steps import is_programmable, is_single, subsample_of
+from oitbench.method.storage import Buffer, Target
 
-if TYPE_CHECKING:
-    from oitbench.gl.shading.lighting import Lighting
-    from oitbench.gl.shading.occlusion import Occlusion
-
-Sampled = moderngl.Texture | moderngl.TextureArray | moderngl.Texture3D
-
-_OPAQUE = "opaque_depth"
-"""What passes of fragments test, where there is one and they name no other."""
+DEPTH_COPY, DEPTH_AT_CENTERS = "opaque_depth_copy", "opaque_depth_at_centers"
+"""Textures that stand in for the opaque depth: for passes that read and test it, and for passes
+that rasterize pixel centers in a multisampled frame."""
 
 
 @dataclass(frozen=True)
 class Blueprint:
-    """What all passes of one frame are compiled from.
+    """Common inputs of the passes that are compiled together.
 
     Parameters
     ----------
-    folder : Path, optional
-        Where the method's shaders are; None for the engine's own passes.
-    declared : mapping of str to Target
-        All targets that exist, the frame's own included.
+    owner : str
+        Name in error messages.
+    targets : mapping of str to Target
+        All targets that exist, including those of the frame itself.
     buffers : mapping of str to Buffer
     bindings : Bindings
+    folders : tuple of Path
+        Folders of the method's shaders; empty for passes of the engine.
+    macros : str
+        Parameters of the method as `#define`s.
+    effects : Effect
+        Running effects.
+    shading : ShadingInputs
     samples : int
-        Samples a pixel.
+        Samples per pixel.
     mechanism : str
-        How programmable blending is done.
-    lighting : Lighting, optional
-        What shades; without it nothing is lit.
-    occlusion : Occlusion, optional
-        What hides the environment from surfaces; without it nothing does.
+        Way of programmable blending.
     """
 
-    device: Device
-    geometry: Geometry
-    method: Method
-    folder: Path | None
-    effects: Effect
-    declared: Mapping[str, Target]
-    buffers: Mapping[str, Buffer]
-    bindings: Bindings
+    owner: str
+    targets: Mapping[str, Target] = field(default_factory=dict)
+    buffers: Mapping[str, Buffer] = field(default_factory=dict)
+    bindings: Bindings = field(default_factory=Bindings)
+    folders: tuple[Path, ...] = ()
+    macros: str = ""
+    effects: Effect = Effect.NONE
+    shading: ShadingInputs = UNLIT
     samples: int = 1
-    mechanism: str = prelude.FETCH
-    lighting: Lighting | None = None
-    occlusion: Occlusion | None = None
+    mechanism: str = FETCH
 
 
 class CompiledPass:
-    """A pass that can be drawn. `begin` sets all of its state; none is trusted to be left over.
+    """A pass that can be drawn. `begin` sets all of its state, and trusts none to be left over.
 
-    `clears` are the framebuffer, format and value of each target to clear just before; `subsample`
-    is that of the targets that it writes.
+    Attributes
+    ----------
+    step : Gather or Resolve
+        The declaration.
+    draws : hashable or None
+        Key of the index order that a gather pass draws; None for a pass over pixels.
+    framebuffer : moderngl.Framebuffer
+    clears : list of (framebuffer, format, value)
+        Targets to clear just before.
+    subsample : int
+        Downsampling factor of the written targets.
     """
 
     def __init__(
         self,
         device: Device,
         step: Pass,
+        draws: Hashable | None,
         program: moderngl.Program,
         framebuffer: moderngl.Framebuffer,
         samplers: Mapping[str, Sampled],
@@ -83,46 +93,48 @@ class CompiledPass:
         vertices: moderngl.Buffer,
         depth_writes: bool,
         blocks: Mapping[int, moderngl.Buffer],
-        subsample: int = 1,
+        subsample: int,
     ) -> None:
-        self.device, self.step, self.program = device, step, program
-        self.framebuffer, self.samplers, self.vertices = framebuffer, samplers, vertices
-        self.images, self.depth_writes, self.blocks = images, depth_writes, blocks
-        self.subsample = subsample
+        self.step, self.draws, self.framebuffer, self.subsample = (
+            step, draws, framebuffer, subsample,
+        )  # fmt: skip
         self.clears: list[tuple[moderngl.Framebuffer, Format, tuple[float, ...]]] = []
+        self._device, self._program, self._vertices = device, program, vertices
+        self._samplers, self._images, self._blocks = samplers, images, blocks
+        self._depth_writes = depth_writes
         self._arrays: dict[int, moderngl.VertexArray] = {}
 
-    def begin(self, view: moderngl.Buffer, scissor: tuple[int, int, int, int]) -> None:
+    def begin(self, view: moderngl.Buffer, scissor: Scissor) -> None:
         """Set framebuffer, depth, blend, samplers and uniform blocks."""
-        device, context = self.device, self.device.context
+        device, context = self._device, self._device.context
         self.framebuffer.use()
         self.framebuffer.scissor = scissor
-        self.framebuffer.depth_mask = self.depth_writes
-        geometry = self.step.draws is Draws.FRAGMENTS
-        # Blending stays on also where it replaces: with blending, depth test and discard all off,
+        self.framebuffer.depth_mask = self._depth_writes
+        geometry = isinstance(self.step, Gather)
+        # Blending stays on even where it replaces: with blending, depth test and discard all off,
         # llvmpipe drops the side effects of primitives that a later one covers.
         depth = geometry or self.step.depth is not None
         context.enable_only(moderngl.BLEND | (moderngl.DEPTH_TEST if depth else 0))
         context.depth_func = "<" if geometry else "1"
         for slot, blend in enumerate(self.step.writes.values()):
             device.set_blend(slot, blend)
-        for unit, texture in enumerate(self.samplers.values()):
+        for unit, texture in enumerate(self._samplers.values()):
             texture.use(unit)
-        for unit, image in enumerate(self.images):
+        for unit, image in enumerate(self._images):
             image.bind_to_image(unit, read=True, write=True)
-        view.bind_to_uniform_block(0)
-        for binding, block in self.blocks.items():
+        view.bind_to_uniform_block(VIEW_BINDING)
+        for binding, block in self._blocks.items():
             block.bind_to_uniform_block(binding)
-        if self.step.buffers or self.images:
+        if self.step.buffers or self._images:
             context.memory_barrier()
 
     def draw(self, indices: moderngl.Buffer, first: int, count: int) -> None:
-        """Draw `count` triangles of `indices` from the triangle `first` on."""
+        """Draw `count` triangles of `indices`, starting at triangle `first`."""
         array = self._arrays.get(indices.glo)
         if array is None:
-            array = self.device.context.vertex_array(
-                self.program,
-                [(self.vertices, VERTEX_FORMAT, *(VERTEX.names or ()))],
+            array = self._device.context.vertex_array(
+                self._program,
+                [(self._vertices, VERTEX_FORMAT, *(VERTEX.names or ()))],
                 index_buffer=indices,
                 skip_errors=True,
             )
@@ -133,23 +145,17 @@ class CompiledPass:
     def draw_screen(self) -> None:
         """Draw one triangle over the frame."""
         if 0 not in self._arrays:
-            self._arrays[0] = self.device.context.vertex_array(self.program, [])
+            self._arrays[0] = self._device.context.vertex_array(self._program, [])
         self._arrays[0].render(moderngl.TRIANGLES, vertices=3)
         self._end()
 
     def _end(self) -> None:
-        # What was stored in images is next read as textures, copied, or read back.
-        if self.images:
-            self.device.context.memory_barrier()
-
-    def forget(self, indices: moderngl.Buffer) -> None:
-        """Drop what was kept for an index buffer that is about to be released."""
-        array = self._arrays.pop(indices.glo, None)
-        if array is not None:
-            array.release()
+        # Values stored in images are next read as textures, copied, or read back.
+        if self._images:
+            self._device.context.memory_barrier()
 
     def release(self) -> None:
-        """Free what this pass owns; its program is kept by the device for the next frame."""
+        """Free the pass's own objects; the device keeps the program for the next frame."""
         for array in self._arrays.values():
             array.release()
         self.framebuffer.release()
@@ -158,165 +164,155 @@ class CompiledPass:
 
 
 def compile_pass(
+    device: Device,
+    geometry: Geometry,
     blueprint: Blueprint,
     step: Pass,
     textures: Mapping[str, moderngl.Texture],
-    depth_writes: bool = False,
+    draws: Hashable | None = None,
 ) -> CompiledPass:
-    """Assemble the shaders of `step`, compile them, and gather the state of its draws.
+    """Assemble and compile the shaders of `step`, and collect the state of its draws.
 
     Parameters
     ----------
+    device : Device
+    geometry : Geometry
     blueprint : Blueprint
-    step : Pass
+    step : Gather or Resolve
+        Checked by `oitbench.method.steps.check_pass`.
     textures : mapping of str to moderngl.Texture
-        What each target's name stands for in this pass.
-    depth_writes : bool
-        Whether the opaque depth is written: for the opaque picture itself.
+        Texture of each target in this pass.
+    draws : hashable, optional
+        Key of the index order that a gather pass draws.
 
     Raises
     ------
+    CapabilityError
+        The driver cannot render to the targets.
     DeclarationError
-        A name is not declared, or a shader does not compile; the message gives file and line.
+        A shader does not compile; the message gives file and line.
     """
-    device, geometry = blueprint.device, blueprint.geometry
-    subsample = _subsample(step, blueprint.declared)
-    vertex, fragment = _sources(blueprint, step)
+    vertex, fragment = _sources(blueprint, geometry, step)
     images = _images(blueprint, step, textures)
     colors = [] if images else [textures[name] for name in step.writes]
     limit = device.max_images if images else device.max_targets
     if len(images or colors) > limit:
         raise CapabilityError(
-            f"{blueprint.method.label}: {step.shader} writes {len(images or colors)} targets;"
+            f"{blueprint.owner}: {step.shader} writes {len(images or colors)} targets;"
             f" {device.renderer} allows {limit}"
         )
     program = _program(device, vertex, fragment)
-    samplers: dict[str, Sampled] = {f"{name}_texture": textures[name] for name in step.reads}
-    lighting = blueprint.lighting
-    if step.draws is Draws.FRAGMENTS:
-        if "opaque_depth" in step.reads:
-            samplers["opaque_depth_texture"] = textures["opaque_depth_copy"]
-        samplers.update(geometry.textures)
-    if lighting is not None:
-        samplers.update(lighting.textures)
-    if blueprint.occlusion is not None:
-        samplers.update(blueprint.occlusion.textures)
+    samplers = _samplers(blueprint, geometry, step, textures)
     used = {name: item for name, item in samplers.items() if name in program}
     for unit, name in enumerate(used):
-        # A program is shared by frames, but its samplers always come in this order.
+        # Frames share a program, but its samplers always come in this order.
         program[name] = unit
-    depth = None
-    # A framebuffer must have something, also where the pass writes nothing but buffers.
-    own = step.depth or step.tests or _OPAQUE
-    fragments = step.draws is Draws.FRAGMENTS and own in blueprint.declared
-    if fragments or own != _OPAQUE or not colors:
-        centers = blueprint.samples > 1 and prelude.single(step, blueprint.declared)
-        depth = textures["opaque_depth_single" if centers and own == _OPAQUE else own]
     try:
-        framebuffer = device.context.framebuffer(colors, depth)
+        framebuffer = device.context.framebuffer(colors, _depth(blueprint, step, textures))
     except moderngl.Error as error:
-        formats = ", ".join(blueprint.declared[name].format for name in step.writes)
+        formats = ", ".join(blueprint.targets[name].format for name in step.writes)
         raise CapabilityError(
-            f"{blueprint.method.label}: {device.renderer} cannot render to {formats} ({error})"
+            f"{blueprint.owner}: {device.renderer} cannot render to {formats} ({error})"
         ) from error
-    writes_depth = depth_writes or step.depth is not None
+    writes_depth = step.depth is not None and (isinstance(step, Resolve) or step.depth_writes)
     compiled = CompiledPass(
-        device, step, program, framebuffer, used, images, geometry.vertices, writes_depth,
-        {} if lighting is None else lighting.blocks, subsample,
+        device, step, draws, program, framebuffer, used, images, geometry.vertices, writes_depth,
+        blueprint.shading.blocks, subsample_of(step, blueprint.targets),
     )  # fmt: skip
     for name in step.clears:
-        target = blueprint.declared[name]
+        target = blueprint.targets[name]
         place = attach(device, textures[name], target.texel)
         compiled.clears.append((place, target.texel, target.clear))
     return compiled
 
 
-def _subsample(step: Pass, declared: Mapping[str, Target]) -> int:
-    """Return the `subsample` of all that the pass writes and tests; raise unless there is one."""
-    depths = [name for name in (step.depth, step.tests) if name is not None]
-    if len(depths) > 1 or (step.tests is not None and step.draws is Draws.PIXELS):
-        raise DeclarationError(
-            f"{step.shader}: `tests` is for passes of fragments that have no `depth`"
-        )
-    if not depths and step.draws is Draws.FRAGMENTS and _OPAQUE in declared:
-        depths = [_OPAQUE]
-    for name in {*step.writes, *depths} - {*declared}:
-        raise DeclarationError(f"{step.shader}: {unknown('target', name, declared)}")
-    for name in {*depths} & {*step.reads} - {_OPAQUE}:
-        raise DeclarationError(f"{step.shader}: reads and tests '{name}' in one pass")
-    kinds = {name: declared[name].subsample for name in (*step.writes, *depths)}
-    if len({*kinds.values()}) > 1:
-        told = ", ".join(f"{name} 1/{kind}" for name, kind in kinds.items())
-        raise DeclarationError(f"{step.shader}: all targets of a pass must have one size: {told}")
-    subsample = next(iter(kinds.values()), 1)
-    if subsample > 1 and step.buffers:
-        raise DeclarationError(f"{step.shader}: a pass that touches buffers must be of full size")
-    return subsample
-
-
-def _images(
-    blueprint: Blueprint, step: Pass, textures: Mapping[str, moderngl.Texture]
-) -> list[moderngl.Texture]:
-    """Return the images that stand in for targets where shaders blend without fetching."""
-    programmable = any(blend.programmable for blend in step.writes.values())
-    if not programmable or blueprint.mechanism == prelude.FETCH:
-        return []
-    locks = ["lock"] if blueprint.mechanism == prelude.SPIN_LOCK else []
-    return [textures[name] for name in (*step.writes, *locks)]
-
-
 def attach(device: Device, texture: moderngl.Texture, entry: Format) -> moderngl.Framebuffer:
-    """Return a framebuffer of one texture, be it of color or of depth."""
+    """Return a framebuffer with one texture, of color or of depth."""
     if entry.depth:
         return device.context.framebuffer([], texture)
     return device.context.framebuffer([texture])
 
 
-def _sources(blueprint: Blueprint, step: Pass) -> tuple[Source, Source]:
+def _depth(
+    blueprint: Blueprint, step: Pass, textures: Mapping[str, moderngl.Texture]
+) -> moderngl.Texture | None:
+    """Return the depth attachment of a pass."""
+    if step.depth is not None:
+        return textures[step.depth]
+    if OPAQUE_DEPTH not in blueprint.targets:
+        return None
+    # A framebuffer needs an attachment even if the pass only writes buffers.
+    if isinstance(step, Resolve) and step.writes:
+        return None
+    centers = blueprint.samples > 1 and is_single(step, blueprint.targets)
+    return textures[DEPTH_AT_CENTERS if centers else OPAQUE_DEPTH]
+
+
+def _samplers(
+    blueprint: Blueprint, geometry: Geometry, step: Pass, textures: Mapping[str, moderngl.Texture]
+) -> dict[str, Sampled]:
+    samplers: dict[str, Sampled] = {f"{name}_texture": textures[name] for name in step.reads}
+    if isinstance(step, Gather):
+        if OPAQUE_DEPTH in step.reads:
+            samplers[f"{OPAQUE_DEPTH}_texture"] = textures[DEPTH_COPY]
+        samplers.update(geometry.textures)
+    samplers.update(blueprint.shading.samplers)
+    return samplers
+
+
+def _images(
+    blueprint: Blueprint, step: Pass, textures: Mapping[str, moderngl.Texture]
+) -> list[moderngl.Texture]:
+    """Return the images that replace targets where shaders blend without framebuffer fetch."""
+    if not is_programmable(step) or blueprint.mechanism == FETCH:
+        return []
+    locks = ["lock"] if blueprint.mechanism == SPIN_LOCK else []
+    return [textures[name] for name in (*step.writes, *locks)]
+
+
+def _sources(blueprint: Blueprint, geometry: Geometry, step: Pass) -> tuple[Source, Source]:
     """Return the vertex and the fragment shader of `step`."""
-    mechanism = blueprint.mechanism
-    samples = 1 if prelude.single(step, blueprint.declared) else blueprint.samples
-    extensions = prelude.extensions(step, mechanism, samples)
-    fragment = Source(blueprint.folder, extensions=extensions)
-    fragment.add_text("prelude (macros)", prelude.macros(blueprint.method, blueprint.effects))
-    fragment.add_text("prelude (pass)", prelude.defines(step))
-    fragment.add_file("view.glsl")
-    lighting = blueprint.lighting
-    detailed = step.draws is Draws.FRAGMENTS and "surface_materials" in blueprint.geometry.textures
-    if lighting is not None or detailed:
-        fragment.add_text("prelude (lights)", lighting.macros if lighting else prelude.NO_LIGHTS)
-        fragment.add_file("lighting.glsl")
-        shadows = lighting.visibility if lighting else prelude.NO_SHADOWS
-        fragment.add_text("prelude (shadows)", shadows)
+    mechanism, targets, shading = blueprint.mechanism, blueprint.targets, blueprint.shading
+    samples = 1 if is_single(step, targets) else blueprint.samples
+    fragment = Source(blueprint.folders, prelude.extensions(step, mechanism, samples))
+    fragment.add_text("prelude (macros)", prelude.effect_macros(blueprint.effects))
+    fragment.add_text("prelude (parameters)", blueprint.macros)
+    fragment.add_text("prelude (pass)", prelude.pass_macros(step))
+    fragment.add_engine_file("view.glsl")
+    detailed = isinstance(step, Gather) and "surface_materials" in geometry.textures
+    if shading.lit or detailed:
+        fragment.add_text("prelude (lights)", shading.lights)
+        fragment.add_engine_file("lighting.glsl")
+        fragment.add_text("prelude (shadows)", shading.shadows)
     declarations = (
-        prelude.outputs(step, blueprint.declared, mechanism),
-        prelude.reads(step, blueprint.declared, blueprint.samples),
-        prelude.indexed(step, blueprint.declared),
-        prelude.accessors(step, blueprint.buffers, blueprint.bindings, samples),
+        prelude.outputs(step, targets, mechanism),
+        prelude.reads(step, targets, blueprint.samples),
+        prelude.indexed(step, targets),
+        accessors.accessors(step, blueprint.buffers, blueprint.bindings, samples),
     )
     fragment.add_text("prelude (declarations)", "\n".join(declarations))
-    vertex = Source(None)
-    if step.draws is Draws.FRAGMENTS:
-        geometry = blueprint.geometry
-        fragment.add_text("prelude (scene)", geometry.macros)
-        if detailed:
-            fragment.add_file("shading.glsl")
-            if blueprint.occlusion is not None:
-                fragment.add_file("inferred_occlusion.glsl")
-        fragment.add_file("fragment.glsl")
-        fragment.add_file(step.shader)
-        fragment.add_text("prelude (deliver)", prelude.deliver(step, mechanism))
-        fragment.add_file("lists.frag.glsl" if geometry.scene.lists else "surface.frag.glsl")
-        vertex.add_text("prelude (scene)", geometry.macros)
-        vertex.add_file("view.glsl")
-        vertex.add_file("surface.vert.glsl")
-    else:
-        if lighting is not None and Effect.VOLUME in blueprint.effects:
-            fragment.add_text("prelude (medium)", lighting.fog.macros)
-        fragment.add_file(step.shader)
-        # Reads of buffers give helper lanes zero, and a list of them would never end.
+    # Only passes of methods have folders.
+    add_shader = fragment.add_file if blueprint.folders else fragment.add_engine_file
+    vertex = Source()
+    if isinstance(step, Resolve):
+        fragment.add_text("prelude (medium)", shading.medium)
+        add_shader(step.shader)
+        # Helper invocations read zero from buffers, and would never leave a list.
         fragment.add_text("main", "void main() { if (!gl_HelperInvocation) { resolve(); } }")
-        vertex.add_file("screen.vert.glsl")
+        vertex.add_engine_file("screen.vert.glsl")
+        return vertex, fragment
+    fragment.add_text("prelude (scene)", geometry.macros)
+    if detailed:
+        fragment.add_engine_file("shading.glsl")
+        if shading.occluded:
+            fragment.add_engine_file("inferred_occlusion.glsl")
+    fragment.add_engine_file("fragment.glsl")
+    add_shader(step.shader)
+    fragment.add_text("prelude (deliver)", prelude.deliver(step, mechanism))
+    fragment.add_engine_file("lists.frag.glsl" if geometry.has_lists else "surface.frag.glsl")
+    vertex.add_text("prelude (scene)", geometry.macros)
+    vertex.add_engine_file("view.glsl")
+    vertex.add_engine_file("surface.vert.glsl")
     return vertex, fragment
 
 

@@ -1,4 +1,10 @@
-"""GLSL sources: lookup, includes, and compiler messages that name a plugin's own file and line."""
+"""GLSL sources: lookup, includes, and compiler messages that name file and line.
+
+A plain name is a file beside the including one, or else in the folders of the method: its own, then
+its collection's `glsl/`. `KIT/FILE.glsl` is a shader of a kit (`oitbench/method/kits`), and
+`oitbench/FILE.glsl` one of the engine's. Engine shaders only include engine shaders, so a method
+cannot replace any of them.
+"""
 
 from __future__ import annotations
 
@@ -18,52 +24,79 @@ _MESSAGES = (
     re.compile(r"^\s*ERROR:\s*\d+:(?P<line>\d+):\s*(?P<text>.*)$", re.M),
 )
 _VERSION = "#version 450 core"
+_PACKAGE = Path(str(files("oitbench")))
+_ENGINE = _PACKAGE / "gl" / "shaders"
+_KITS = _PACKAGE / "method" / "kits"
 
 
 @dataclass
 class Source:
-    """A shader under assembly; the place that each line comes from is kept, so errors can be told.
+    """A shader under assembly; the origin of each line is kept for error messages.
 
-    `#line` would not do: Mesa forgets its file number in most messages about expressions.
+    `#line` would not do: Mesa drops its file number in most messages about expressions.
+
+    Parameters
+    ----------
+    folders : sequence of Path
+        Folders of the method; empty for shaders of the engine.
+    extensions : tuple of str
+        GLSL extensions to require.
     """
 
-    folder: Path | None
+    folders: Sequence[Path] = ()
+    extensions: tuple[str, ...] = ()
     lines: list[str] = field(default_factory=list)
     places: list[tuple[str, int]] = field(default_factory=list)
-    extensions: tuple[str, ...] = ()
 
     def add_text(self, name: str, text: str) -> None:
         """Append generated `text`, called `name` in messages."""
-        self._append(name, text, ())
+        self._append(name, text, None, ())
+
+    def add_engine_file(self, name: str) -> None:
+        """Append a shader of the engine."""
+        self._add(self._find(name, _ENGINE), ())
 
     def add_file(self, name: str) -> None:
-        """Append a file of the method's folder, or of the engine's shared shaders."""
-        self._append(*self._read(name), (name,))
+        """Append a shader of the method, of its collection, or of a kit."""
+        self._add(self._find(name, None), ())
 
-    def _read(self, name: str) -> tuple[str, str]:
-        if self.folder is not None and (self.folder / name).is_file():
-            path = self.folder / name
-            return str(path), path.read_text(encoding="utf-8")
-        shared = files("oitbench.gl") / "shaders" / name
-        if not shared.is_file():
-            where = self.folder or "oitbench/gl/shaders"
-            raise DeclarationError(f"{where}: there is no shader '{name}'")
-        return f"oitbench/gl/shaders/{name}", shared.read_text(encoding="utf-8")
+    def _find(self, name: str, beside: Path | None) -> Path:
+        """Return the file that `name` means in a file of the folder `beside`."""
+        kit, _, plain = name.rpartition("/")
+        if beside == _ENGINE:
+            candidates = [_ENGINE / name]
+        elif kit == _PACKAGE.name:
+            candidates = [_ENGINE / plain]
+        elif kit:
+            candidates = [_KITS / kit / plain]
+        else:
+            candidates = [folder / name for folder in (beside, *self.folders) if folder]
+        for path in candidates:
+            if path.is_file():
+                return path
+        where = ", ".join(_shown(path.parent) for path in dict.fromkeys(candidates))
+        raise DeclarationError(f"there is no shader '{name}' in {where or 'any folder'}")
 
-    def _append(self, name: str, text: str, open_files: Sequence[str]) -> None:
+    def _add(self, path: Path, open_files: tuple[Path, ...]) -> None:
+        self._append(_shown(path), path.read_text(encoding="utf-8"), path, open_files)
+
+    def _append(
+        self, name: str, text: str, path: Path | None, open_files: tuple[Path, ...]
+    ) -> None:
         for index, line in enumerate(text.splitlines(), start=1):
             include = _INCLUDE.match(line)
             if include is None:
                 self.lines.append(line)
                 self.places.append((name, index))
                 continue
-            if include[1] in open_files:
+            found = self._find(include[1], path.parent if path else None)
+            if found == path or found in open_files:
                 raise DeclarationError(f"{name}:{index}: '{include[1]}' includes itself")
-            self._append(*self._read(include[1]), (*open_files, include[1]))
+            self._add(found, (*open_files, *([path] if path else [])))
 
     @property
     def text(self) -> str:
-        """The whole source, from `#version` on."""
+        """The whole source, starting with `#version`."""
         return "\n".join([*self._head, *self.lines, ""])
 
     @property
@@ -71,15 +104,22 @@ class Source:
         return [_VERSION, *(f"#extension {name} : require" for name in self.extensions)]
 
     def explain(self, log: str) -> str:
-        """Turn a compiler's log into one line that begins with the culprit's file and line."""
+        """Return a compiler's log as one line that starts with file and line of the error."""
         for pattern in _MESSAGES:
             match = pattern.search(log)
             if match is None:
                 continue
-            # Drivers count lines from one, and the head comes before any file.
+            # Drivers count lines from one, and the head precedes all files.
             index = int(match["line"]) - 1 - len(self._head)
             if 0 <= index < len(self.places):
                 name, line = self.places[index]
                 return f"{name}:{line}: {match['text'].strip()}"
         kept = [line for line in log.splitlines() if line.strip(" =-")]
         return " ".join([self.places[-1][0] + ":", *kept[:6]])
+
+
+def _shown(path: Path) -> str:
+    """Return a path as messages show it: files of the package relative to its parent."""
+    if path.is_relative_to(_PACKAGE):
+        return path.relative_to(_PACKAGE.parent).as_posix()
+    return str(path)

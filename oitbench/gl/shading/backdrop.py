@@ -1,108 +1,80 @@
-"""What lies behind all transparency: the opaque picture, its depth, and the copies passes need."""
+"""The opaque picture of a frame, and the copies of its depth that passes need."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-
 import moderngl
 
-from oitbench.effects import Effect
 from oitbench.gl.device import Device
 from oitbench.gl.geometry import Geometry
-from oitbench.gl.shading.lighting import Lighting
-from oitbench.gl.shading.occlusion import Occlusion
-from oitbench.gl.shading.opaque import DEPTH, draw_opaque
-from oitbench.method.declaration import Draws, Pass, Target
+from oitbench.gl.ownership import Owner
+from oitbench.gl.plan import FramePlan
+from oitbench.gl.program.passes import DEPTH_AT_CENTERS, DEPTH_COPY
+from oitbench.gl.shading.inputs import ShadingInputs
+from oitbench.gl.shading.opaque import DEPTH, OpaquePicture
+from oitbench.method.passes import OPAQUE_COLOR, OPAQUE_DEPTH
 
 
-class Backdrop:
+class Backdrop(Owner):
     """The opaque picture of one frame.
 
     Parameters
     ----------
     device : Device
     geometry : Geometry
-    size : (int, int)
-        Width and height in pixels.
-    color : Target
-        Of the picture.
-    samples : int
-        Samples a pixel.
-    passes : iterable of Pass
-        Those that run before it: what they read decides which copies there are.
-    single : bool
-        Whether some of them write targets of one sample a pixel in a multisampled frame.
+    plan : FramePlan
+    view : moderngl.Buffer
+        The uniform block `View` of the frame.
+    shading : ShadingInputs
 
     Attributes
     ----------
     textures : dict of str to moderngl.Texture
-        "opaque_color" and "opaque_depth"; perhaps "opaque_depth_copy" and "opaque_depth_single".
+        `OPAQUE_COLOR` and `OPAQUE_DEPTH`, and where the plan needs them `DEPTH_COPY` and
+        `DEPTH_AT_CENTERS`.
     """
 
     def __init__(
         self,
         device: Device,
         geometry: Geometry,
-        size: tuple[int, int],
-        color: Target,
-        samples: int,
-        passes: Iterable[Pass],
-        single: bool,
-    ) -> None:
-        self._device, self._geometry, self._size = device, geometry, size
-        self._color, self._samples = color, samples
-        self.textures = {
-            "opaque_color": device.texture(size, color.texel, samples),
-            "opaque_depth": device.texture(size, DEPTH.texel, samples),
-        }
-        if any(p.draws is Draws.FRAGMENTS and "opaque_depth" in p.reads for p in passes):
-            # What a pass tests against it may not read as well: it gets a copy.
-            self.textures["opaque_depth_copy"] = device.texture(size, DEPTH.texel, samples)
-        if samples > 1 and single:
-            self.textures["opaque_depth_single"] = device.texture(size, DEPTH.texel)
-
-    def draw(
-        self,
+        plan: FramePlan,
         view: moderngl.Buffer,
-        transmittance: bool,
-        lighting: Lighting | None,
-        effects: Effect,
-        occlusion: Occlusion | None,
+        shading: ShadingInputs,
     ) -> None:
-        """Draw all of it, and fill the uniform block `View`.
+        super().__init__()
+        self._device, self._plan = device, plan
+        target, size, samples = plan.color, plan.size, plan.samples
+        with self.building():
+            color = self.own(device.texture(size, target.texel, samples))
+            depth = self.own(device.texture(size, DEPTH.texel, samples))
+            self.textures = {OPAQUE_COLOR: color, OPAQUE_DEPTH: depth}
+            picture = OpaquePicture(
+                device, geometry, color, depth, target, view, samples, plan.effects, shading
+            )
+            self._pictures = [self.own(picture)]
+            if plan.copies_depth:
+                copied = self.own(device.texture(size, DEPTH.texel, samples))
+                self.textures[DEPTH_COPY] = copied
+            if plan.needs_depth_at_centers:
+                self._add_centers(geometry, view)
 
-        Parameters
-        ----------
-        view : moderngl.Buffer
-        transmittance : bool
-            Show a background of one instead of radiance.
-        lighting, occlusion : optional
-            What shades.
-        effects : Effect
-            Those that run.
-        """
-        color, depth = self.textures["opaque_color"], self.textures["opaque_depth"]
-        draw_opaque(
-            self._device, self._geometry, view, (color, depth), self._color,
-            self._samples, transmittance, lighting, effects, occlusion,
-        )  # fmt: skip
-        if "opaque_depth_copy" in self.textures:
-            copied = self.textures["opaque_depth_copy"]
-            self._device.copy(depth, copied, self._size, self._samples)
-        if "opaque_depth_single" in self.textures:
-            self._draw_single(view, transmittance, effects)
+    def _add_centers(self, geometry: Geometry, view: moderngl.Buffer) -> None:
+        """Add the depth at pixel centers, for targets of one sample per pixel."""
+        target, size = self._plan.color, self._plan.size
+        depth = self.own(self._device.texture(size, DEPTH.texel))
+        color = self.own(self._device.texture(size, target.texel))  # drawn, but never seen
+        picture = OpaquePicture(
+            self._device, geometry, color, depth, target, view, effects=self._plan.effects
+        )
+        self._pictures.append(self.own(picture))
+        self.textures[DEPTH_AT_CENTERS] = depth
 
-    def _draw_single(self, view: moderngl.Buffer, transmittance: bool, effects: Effect) -> None:
-        """Draw the depth at pixel centers, for targets of one sample a pixel."""
-        color = self._device.texture(self._size, self._color.texel)
-        behind = (color, self.textures["opaque_depth_single"])
-        draw_opaque(
-            self._device, self._geometry, view, behind, self._color, 1, transmittance,
-            effects=effects,
-        )  # fmt: skip
-        color.release()
-
-    def release(self) -> None:
-        """Free the device's memory."""
-        for texture in self.textures.values():
-            texture.release()
+    def draw(self, transmittance: bool) -> None:
+        """Draw all pictures; `transmittance` shows a background of one instead of radiance."""
+        for picture in self._pictures:
+            picture.draw(transmittance)
+        if DEPTH_COPY in self.textures:
+            self._device.copy(
+                self.textures[OPAQUE_DEPTH], self.textures[DEPTH_COPY], self._plan.size,
+                self._plan.samples,
+            )  # fmt: skip

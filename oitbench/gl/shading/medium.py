@@ -6,19 +6,20 @@ import moderngl
 import numpy as np
 
 from oitbench.gl.device import Device
+from oitbench.gl.ownership import Owner
 from oitbench.scene import Medium
 
 _VACUUM = Medium(extinction=0.0, low=(0.0, 0.0, 0.0), high=(1.0, 1.0, 1.0))
 
 
-class Fog:
-    """What shaders/march.glsl needs to know of a medium.
+class UploadedMedium(Owner):
+    """The inputs of `march.glsl`.
 
     Parameters
     ----------
     device : Device
     medium : Medium or None
-        Without one, nothing is extinguished anywhere.
+        None for vacuum.
 
     Attributes
     ----------
@@ -28,28 +29,24 @@ class Fog:
     """
 
     def __init__(self, device: Device, medium: Medium | None) -> None:
+        super().__init__()
         medium = medium or _VACUUM
         rows = [
             [*medium.low, medium.extinction],
             [*medium.high, medium.anisotropy],
             [*medium.albedo, medium.collimation],
         ]
-        self.block = device.context.buffer(np.array(rows, dtype=np.float32).tobytes())
+        self.block = self.own(device.context.buffer(np.array(rows, dtype=np.float32).tobytes()))
         self.density: moderngl.Texture3D | None = None
         if medium.density is not None:
             cells = np.ascontiguousarray(medium.density, dtype=np.float32)
             depth, height, width = cells.shape
-            self.density = device.context.texture3d((width, height, depth), 1, cells, dtype="f4")
+            size = (width, height, depth)
+            self.density = self.own(device.context.texture3d(size, 1, cells, dtype="f4"))
             self.density.filter = (moderngl.LINEAR, moderngl.LINEAR)
             self.density.repeat_x = self.density.repeat_y = self.density.repeat_z = False
 
     @property
     def macros(self) -> str:
-        """What shaders that march through the medium must know at compile time."""
+        """Facts about the medium that shaders need at compile time."""
         return "#define DENSITY 1" if self.density is not None else ""
-
-    def release(self) -> None:
-        """Free the device's memory."""
-        self.block.release()
-        if self.density is not None:
-            self.density.release()

@@ -1,26 +1,27 @@
-"""Screen-space ambient occlusion of one frame: how open each visible surface is to the environment.
+"""Screen-space ambient occlusion: the part of the environment that each visible surface receives.
 
-The chain: the depth of all opaque surfaces, with those fragments of binary coverage that cover
-their pixel whole; openness from that depth; a filter over the estimator's pattern.
+Three passes: the depth of all opaque surfaces, with fragments of binary coverage that cover their
+pixel completely; openness from that depth; a filter over the estimator's pattern.
 """
 
 from __future__ import annotations
 
 from oitbench.effects import Effect
 from oitbench.gl.device import Device
-from oitbench.gl.draws.chain import Chain, Moved
-from oitbench.gl.draws.steps import PassRecord
+from oitbench.gl.draws.chain import Chain, Measurement
 from oitbench.gl.geometry import Geometry
+from oitbench.gl.ownership import Owner
 from oitbench.gl.program.passes import Blueprint
-from oitbench.gl.program.prelude import bind
 from oitbench.gl.view import view_block
-from oitbench.method.declaration import REPLACE, Draws, Method, Pass, Target
+from oitbench.method.blending import REPLACE
+from oitbench.method.passes import Gather, Resolve
+from oitbench.method.storage import Target
 from oitbench.scene import Scene
 
 PLANES, STEPS = 2, 6
-"""Planes through the view ray in which a pixel looks for horizons, and steps to either side."""
+"""Planes through the view ray in which a pixel searches for horizons, and steps to either side."""
 _AROUND = 9
-"""Depths that a pixel reads to find its place and its normal."""
+"""Depths that a pixel reads for its position and its normal."""
 _PATTERN = 25
 """Pixels that the filter averages."""
 _TARGETS = {
@@ -31,16 +32,16 @@ _TARGETS = {
 
 
 def occludes(scene: Scene, effects: Effect) -> bool:
-    """Tell whether surfaces of `scene` hide its environment from each other under `effects`.
+    """Return whether surfaces of `scene` hide its environment from each other under `effects`.
 
-    Those fragments of binary coverage that cover their pixel whole are then opaque.
+    Fragments of binary coverage that cover their pixel completely are then opaque.
     """
-    called = Effect.AMBIENT_OCCLUSION in effects and scene.ambient_occlusion > 0
-    return called and scene.environment is not None
+    requested = Effect.AMBIENT_OCCLUSION in effects and scene.ambient_occlusion > 0
+    return requested and scene.environment is not None
 
 
-class Occlusion:
-    """The stages of ambient occlusion, at one sample a pixel, and what they leave.
+class Occlusion(Owner):
+    """The passes of ambient occlusion of one frame, at one sample per pixel, and their result.
 
     Parameters
     ----------
@@ -52,74 +53,64 @@ class Occlusion:
 
     Attributes
     ----------
-    textures : dict of str to moderngl.Texture
-        Samplers by name: the depth of what occludes, and the openness of each pixel.
+    samplers : dict of str to moderngl.Texture
+        The depth of occluders, and the openness of each pixel.
     """
 
     def __init__(self, device: Device, geometry: Geometry, size: tuple[int, int]) -> None:
-        view = device.context.buffer(view_block(geometry.scene.camera, size, False))
-        self._chain = Chain(device, _TARGETS, dict.fromkeys(_TARGETS, size), view)
+        super().__init__()
+        sizes = dict.fromkeys(_TARGETS, size)
+        with self.building():
+            block = view_block(geometry.scene.camera, size, False)
+            view = self.own(device.context.buffer(block))
+            self._chain = self.own(Chain(device, geometry, _TARGETS, sizes, view))
+            self._compile(geometry)
         kept = ("occluders", "openness")
-        self.textures = {f"{name}_texture": self._chain.textures[name] for name in kept}
+        self.samplers = {f"{name}_texture": self._chain.textures[name] for name in kept}
         self._drawn = False
-        self._compile(device, geometry)
 
-    # -- preparation ---------------------------------------------------------------------------
-
-    def _compile(self, device: Device, geometry: Geometry) -> None:
-        blueprint = Blueprint(
-            device, geometry, Method(), None, Effect.NONE, _TARGETS, {}, bind({}, False)
-        )
+    def _compile(self, geometry: Geometry) -> None:
+        blueprint = Blueprint("ambient occlusion")
+        opaque = Gather("opaque_map.glsl", depth="occluders", clears=("occluders",))
+        interior = Gather("opaque_map.glsl", depth="occluders", defines={"INTERIOR": 1})
+        self._chain.add(opaque, blueprint, "occluders", geometry.opaque)
+        self._chain.add(interior, blueprint, "occluders", geometry.cutouts)
         radius = {"RADIUS_MICROMETRES": _micrometres(geometry.scene.ambient_occlusion)}
-        for batch, defines in ((geometry.opaque, {}), (geometry.cutouts, {"INTERIOR": 1})):
-            step = Pass("opaque_map.glsl", Draws.FRAGMENTS, depth="occluders", defines=defines)
-            first = batch is geometry.opaque
-            self._chain.add("occluders", blueprint, step, ("occluders",), {}, batch, clears=first)
         taps = _AROUND + 2 * PLANES * STEPS
-        for shader, writes, reads, defines in (
+        for shader, result, reads, defines in (
             ("occlusion.glsl", "raw", {"occluders": taps}, {"PLANES": PLANES, "STEPS": STEPS}),
             ("occlusion_filter.glsl", "openness", {"occluders": 1 + _PATTERN, "raw": _PATTERN}, {}),
         ):
-            step = Pass(
-                shader, Draws.PIXELS, tuple(reads), {writes: REPLACE}, defines=radius | defines
+            step = Resolve(
+                shader,
+                reads=tuple(reads),
+                writes={result: REPLACE},
+                clears=(result,),
+                defines=radius | defines,
             )
             label = shader.removesuffix(".glsl").replace("_", " ")
-            self._chain.add(label, blueprint, step, (writes,), reads, clears=True)
-
-    # -- rendering -----------------------------------------------------------------------------
+            self._chain.add(step, blueprint, label, taps=reads)
 
     def prepare(self) -> None:
-        """Find the openness, unless it has been found: camera and scene stand still."""
+        """Compute the openness unless it is known: camera and scene stand still."""
         if not self._drawn:
             self.issue()
 
     def issue(self) -> None:
-        """Find the openness of all pixels."""
+        """Compute the openness of all pixels."""
         self._drawn = True
         self._chain.issue()
 
-    def measure(self) -> tuple[list[PassRecord], list[Moved]]:
-        """Do the same, waiting for every draw; return what each did, and the bytes it moved."""
-        records: dict[str, PassRecord] = {}
-        moved = self._chain.measure(records)
-        return list(records.values()), moved
+    def measure(self, into: Measurement) -> None:
+        """Compute the openness, and add one record per pass to `into`."""
+        self._drawn = True
+        self._chain.measure(into)
 
     def memory(self) -> list[tuple[str, int]]:
         """Return (texture, bytes)."""
         return self._chain.memory()
 
-    def release(self) -> None:
-        """Free the device's memory."""
-        self._chain.release()
-
 
 def _micrometres(radius: float) -> int:
     """Return a radius in metres as a positive integer that GLSL can hold."""
     return min(max(round(1e6 * radius), 1), 2**31 - 1)
-
-
-def occlusion_of(
-    device: Device, geometry: Geometry, size: tuple[int, int], effects: Effect
-) -> Occlusion | None:
-    """Return the ambient occlusion of a frame of `size`; None if nothing occludes."""
-    return Occlusion(device, geometry, size) if occludes(geometry.scene, effects) else None

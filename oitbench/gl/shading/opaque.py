@@ -1,9 +1,6 @@
-"""The engine's own passes: the opaque picture behind everything, and the count of fragments."""
+"""The opaque picture behind all transparency, and the number of transparent fragments before it."""
 
 from __future__ import annotations
-
-from collections.abc import Mapping
-from dataclasses import replace
 
 import moderngl
 import numpy as np
@@ -11,140 +8,121 @@ import numpy.typing as npt
 
 from oitbench.effects import Effect
 from oitbench.gl.device import Device
-from oitbench.gl.geometry import Batch, Geometry
-from oitbench.gl.program.passes import Blueprint, compile_pass
-from oitbench.gl.program.prelude import bind
-from oitbench.gl.shading.lighting import Lighting
-from oitbench.gl.shading.occlusion import Occlusion, occludes
+from oitbench.gl.draws.chain import Chain
+from oitbench.gl.geometry import Geometry
+from oitbench.gl.ownership import Owner
+from oitbench.gl.program.passes import Blueprint
+from oitbench.gl.shading.inputs import UNLIT, ShadingInputs
+from oitbench.gl.shading.occlusion import occludes
 from oitbench.gl.view import view_block
-from oitbench.method.declaration import ADD, REPLACE, Draws, Method, Order, Pass, Target
+from oitbench.method.blending import ADD, REPLACE
+from oitbench.method.passes import OPAQUE_DEPTH, Gather, Resolve
+from oitbench.method.storage import Target
 
-_OPAQUE = Pass("opaque.glsl", Draws.FRAGMENTS, writes={"color": REPLACE}, defines={"OPAQUE": 1})
-_INTERIOR = replace(_OPAQUE, defines={"OPAQUE": 1, "INTERIOR": 1})
-_COUNT = Pass("count.glsl", Draws.FRAGMENTS, writes={"count": ADD})
-_BACKGROUND = Pass(
-    "background.glsl", Draws.PIXELS, reads=("opaque_depth",), writes={"color": REPLACE}
+DEPTH = Target("depth32f", clear=(1.0,))
+_COLOR, _COUNTED = Target("rgba16f"), Target("r32f")
+_WRITES = {"color": REPLACE}
+_OPAQUE = Gather("opaque.glsl", writes=_WRITES, depth=OPAQUE_DEPTH, defines={"OPAQUE": 1})
+_INTERIOR = Gather(
+    "opaque.glsl", writes=_WRITES, depth=OPAQUE_DEPTH, defines={"OPAQUE": 1, "INTERIOR": 1}
 )
-_COLOR, _COUNTED, DEPTH = Target("rgba16f"), Target("r32f"), Target("depth32f")
+_BACKGROUND = Resolve("background.glsl", reads=(OPAQUE_DEPTH,), writes=_WRITES)
+_COUNT = Gather("count.glsl", writes={"count": ADD}, clears=("count",))
 
 
-def draw_opaque(
-    device: Device,
-    geometry: Geometry,
-    view: moderngl.Buffer,
-    textures: tuple[moderngl.Texture, moderngl.Texture],
-    color: Target,
-    samples: int,
-    transmittance: bool,
-    lighting: Lighting | None = None,
-    effects: Effect = Effect.NONE,
-    occlusion: Occlusion | None = None,
-) -> None:
-    """Render what lies behind all transparency, and fill the uniform block for `view`.
+class OpaquePicture(Owner):
+    """Color and depth of everything behind all transparency.
 
-    Under ambient occlusion that includes what binary coverage covers whole. Passes over transparent
-    fragments test their depth against it, and so meet none of those again.
+    Under ambient occlusion this includes fragments of binary coverage that cover their pixel
+    completely. Passes over transparent fragments test against its depth, and skip them.
 
     Parameters
     ----------
     device : Device
     geometry : Geometry
+    color, depth : moderngl.Texture
+        Textures to draw into; they belong to the caller.
+    target : Target
+        Description of the color texture.
     view : moderngl.Buffer
         The uniform block `View`.
-    textures : (color, depth)
-    color : Target
-        Of the color texture.
     samples : int
-        Samples a pixel of both textures.
-    transmittance : bool
-        Show a background of one instead of radiance.
-    lighting : Lighting, optional
-        What shades; without it nothing is lit.
+        Samples per pixel of both textures.
     effects : Effect
-        Those that run.
-    occlusion : Occlusion, optional
-        What hides the environment from surfaces; without it nothing does.
+        Running effects.
+    shading : ShadingInputs
     """
-    scene, size = geometry.scene, textures[0].size
-    view.write(view_block(scene.camera, size, transmittance))
-    background = (1.0, 1.0, 1.0) if transmittance else scene.background
-    framebuffer = device.context.framebuffer([textures[0]], textures[1])
-    framebuffer.use()
-    framebuffer.scissor = (0, 0, *size)
-    device.clear(0, color.texel, (*background, 1.0))
-    device.clear(0, DEPTH.texel, (1.0,))
-    framebuffer.release()
-    names = {"color": textures[0], "opaque_depth": textures[1]}
-    declared = {"color": color, "opaque_depth": DEPTH}
-    blueprint = replace(
-        _blueprint(device, geometry, declared, samples),
-        lighting=lighting, effects=effects, occlusion=occlusion,
-    )  # fmt: skip
-    _draw(blueprint, _OPAQUE, names, geometry.opaque, view, depth_writes=True)
-    if occludes(scene, effects):
-        _draw(blueprint, _INTERIOR, names, geometry.cutouts, view, depth_writes=True)
-    if scene.environment is not None and lighting is not None and not transmittance:
-        background_pass = compile_pass(blueprint, _BACKGROUND, names)
-        background_pass.begin(view, (0, 0, *size))
-        background_pass.draw_screen()
-        background_pass.release()
+
+    def __init__(
+        self,
+        device: Device,
+        geometry: Geometry,
+        color: moderngl.Texture,
+        depth: moderngl.Texture,
+        target: Target,
+        view: moderngl.Buffer,
+        samples: int = 1,
+        effects: Effect = Effect.NONE,
+        shading: ShadingInputs = UNLIT,
+    ) -> None:
+        super().__init__()
+        scene = geometry.scene
+        targets = {"color": target, OPAQUE_DEPTH: DEPTH}
+        textures = {"color": color, OPAQUE_DEPTH: depth}
+        self._device, self._background, self._target = device, scene.background, target
+        sizes = dict.fromkeys(targets, color.size)
+        blueprint = Blueprint("opaque", effects=effects, shading=shading, samples=samples)
+        with self.building():
+            chains = [Chain(device, geometry, targets, sizes, view, textures) for _ in range(2)]
+            self._surfaces, self._sky = map(self.own, chains)
+            self._surfaces.add(_OPAQUE, blueprint, batch=geometry.opaque)
+            if occludes(scene, effects):
+                self._surfaces.add(_INTERIOR, blueprint, batch=geometry.cutouts)
+            if scene.environment is not None and shading.lit:
+                self._sky.add(_BACKGROUND, blueprint)
+
+    def draw(self, transmittance: bool = False) -> None:
+        """Draw color and depth.
+
+        Parameters
+        ----------
+        transmittance : bool
+            Show a background of one instead of radiance; `View` must agree.
+        """
+        background = (1.0, 1.0, 1.0) if transmittance else self._background
+        for name, entry, value in (
+            ("color", self._target.texel, (*background, 1.0)),
+            (OPAQUE_DEPTH, DEPTH.texel, DEPTH.clear),
+        ):
+            framebuffer = self._surfaces.framebuffers[name]
+            framebuffer.use()
+            framebuffer.scissor = (0, 0, *framebuffer.size)
+            self._device.clear(0, entry, value)
+        self._surfaces.issue()
+        if not transmittance:
+            self._sky.issue()
 
 
 def count_fragments(
     device: Device, geometry: Geometry, size: tuple[int, int], effects: Effect = Effect.NONE
 ) -> npt.NDArray[np.int64]:
-    """Return the number of visible transparent fragments a pixel, shape (h, w), bottom row first.
+    """Return the number of visible transparent fragments per pixel, shape (h, w), bottom row first.
 
-    One sample a pixel is taken, at its center. The geometry remembers the counts. `effects` are
-    those that run: ambient occlusion makes some fragments opaque.
+    One sample per pixel is taken, at its center. `effects` are those that run: ambient occlusion
+    makes some fragments opaque.
     """
-    key = (size, occludes(geometry.scene, effects))
-    known = geometry.complexities.get(key)
-    if known is not None:
-        return known
-    color = device.texture(size, _COLOR.texel)
-    depth = device.texture(size, DEPTH.texel)
-    count = device.texture(size, _COUNTED.texel)
-    view = device.context.buffer(view_block(geometry.scene.camera, size, False))
-    draw_opaque(device, geometry, view, (color, depth), _COLOR, 1, False, effects=effects)
-    framebuffer = device.context.framebuffer([count])
-    framebuffer.use()
-    framebuffer.scissor = (0, 0, *size)
-    device.clear(0, _COUNTED.texel, (0.0,))
-    framebuffer.release()
-    declared = {"count": _COUNTED, "opaque_depth": DEPTH}
-    names = {"count": count, "opaque_depth": depth}
-    _draw(_blueprint(device, geometry, declared, 1), _COUNT, names, geometry.transparent, view)
-    counts = np.frombuffer(count.read(), dtype=np.float32).reshape(size[::-1])
-    for item in (color, depth, count, view):
-        item.release()
-    geometry.complexities[key] = counts.astype(np.int64)
-    return geometry.complexities[key]
-
-
-def _blueprint(
-    device: Device, geometry: Geometry, declared: Mapping[str, Target], samples: int
-) -> Blueprint:
-    return Blueprint(
-        device, geometry, Method(), None, Effect.NONE, declared, {}, bind({}, False), samples
-    )
-
-
-def _draw(
-    blueprint: Blueprint,
-    step: Pass,
-    textures: Mapping[str, moderngl.Texture],
-    batch: Batch,
-    view: moderngl.Buffer,
-    depth_writes: bool = False,
-) -> None:
-    indices = batch.arrange(Order.SUBMISSION)[0]
-    if not len(indices):
-        return
-    compiled = compile_pass(blueprint, step, textures, depth_writes)
-    buffer = blueprint.device.context.buffer(indices.tobytes())
-    some = next(iter(textures.values()))
-    compiled.begin(view, (0, 0, *some.size))
-    compiled.draw(buffer, 0, len(indices))
-    compiled.release()
-    buffer.release()
+    targets = {"count": _COUNTED, OPAQUE_DEPTH: DEPTH}
+    with Owner() as owner:
+        view = owner.own(device.context.buffer(view_block(geometry.scene.camera, size, False)))
+        color = owner.own(device.texture(size, _COLOR.texel))
+        depth = owner.own(device.texture(size, DEPTH.texel))
+        opaque = owner.own(
+            OpaquePicture(device, geometry, color, depth, _COLOR, view, effects=effects)
+        )
+        sizes = dict.fromkeys(targets, size)
+        counting = owner.own(Chain(device, geometry, targets, sizes, view, {OPAQUE_DEPTH: depth}))
+        counting.add(_COUNT, Blueprint("fragment count"), batch=geometry.transparent)
+        opaque.draw()
+        counting.issue()
+        data = counting.textures["count"].read()
+        return np.frombuffer(data, dtype=np.float32).reshape(size[::-1]).astype(np.int64)

@@ -1,5 +1,5 @@
 // Adds the fragment as far as the curve lets it be seen.
-#include "absorbance.glsl"
+#include "absorbance/base.glsl"
 
 void gather(Fragment fragment) {
     for (int i = 0; i < TERMS / 4; ++i) {

@@ -1,5 +1,5 @@
 // Turns a list round in its links, so that it begins with the fragment submitted first.
-#include "list_record.glsl"
+#include "linked_lists/record.glsl"
 
 void resolve() {
     if (!list_owner()) {

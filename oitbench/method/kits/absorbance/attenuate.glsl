@@ -1,5 +1,5 @@
 // The background is seen through all layers.
-#include "absorbance.glsl"
+#include "absorbance/base.glsl"
 
 void resolve() {
     for (int i = 0; i < TERMS / 4; ++i) {

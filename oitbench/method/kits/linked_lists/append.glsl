@@ -1,5 +1,5 @@
 // Puts a fragment at the head of its pixel's list.
-#include "list_record.glsl"
+#include "linked_lists/record.glsl"
 
 void append(Fragment fragment, float depth) {
     uint node = allocate_nodes();

@@ -1,5 +1,5 @@
 // Adds what the fragment absorbs to the curve.
-#include "absorbance.glsl"
+#include "absorbance/base.glsl"
 
 void gather(Fragment fragment) {
     begin_curve();

@@ -1,7 +1,7 @@
 // Inserts fragments into a pixel's nodes, sorted by depth; of K + 1 the farthest falls out.
 #define FETCH_DEPTHS get_depths
 #define FETCH_COLORS get_colors
-#include "bounded_nodes.glsl"
+#include "bounded_nodes/nodes.glsl"
 
 uint with_part(uint texel, int i, uint word) { return word; }
 uvec2 with_part(uvec2 texel, int i, uint word) { texel[i] = word; return texel; }

@@ -1,7 +1,7 @@
 // Composites a pixel's nodes front to back; empty ones hide nothing.
 #define FETCH_DEPTHS read_depths
 #define FETCH_COLORS read_colors
-#include "bounded_nodes.glsl"
+#include "bounded_nodes/nodes.glsl"
 
 vec4 composite_nodes() {
     vec4 sum = vec4(0.0);

@@ -1,6 +1,6 @@
 // Finds a list's bounds, builds its curve, and composites the list against it.
-#include "list_record.glsl"
-#include "absorbance.glsl"
+#include "linked_lists/record.glsl"
+#include "absorbance/base.glsl"
 
 void resolve() {
     uint head = heads_first(pixel_index());

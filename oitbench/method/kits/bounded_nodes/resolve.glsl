@@ -1,5 +1,5 @@
 // The nodes over the background.
-#include "bounded_composite.glsl"
+#include "bounded_nodes/composite.glsl"
 
 void resolve() {
     color = composite_nodes();

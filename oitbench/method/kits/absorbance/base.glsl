@@ -1,5 +1,5 @@
 // A curve of absorbance over relative depth in one pixel: `curve.glsl` is the method's.
-#include "channels.glsl"
+#include "curves/channels.glsl"
 
 float terms[TERMS];
 

@@ -1,5 +1,5 @@
 // Keeps every fragment in its pixel's list, by view distance.
-#include "list_capture.glsl"
+#include "linked_lists/append.glsl"
 
 void gather(Fragment fragment) {
     append(fragment, fragment.z);

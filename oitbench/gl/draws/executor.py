@@ -1,0 +1,205 @@
+"""Issuing and measuring the steps of a frame: passes, interleaved passes and loops."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, nullcontext
+from dataclasses import dataclass
+
+import moderngl
+import numpy as np
+
+from oitbench.gl.batches import IndexOrder
+from oitbench.gl.device import Device
+from oitbench.gl.draws.records import PassRecord
+from oitbench.gl.program.bindings import Access
+from oitbench.gl.program.passes import CompiledPass
+from oitbench.gl.tiling import Scissor
+from oitbench.gl.view import ITERATION_OFFSET
+from oitbench.method.passes import Gather, Interleaved, Loop, Step
+
+
+@dataclass(frozen=True)
+class CompiledStep:
+    """A step that can be issued.
+
+    Parameters
+    ----------
+    step : Step
+    rounds : tuple of tuple of CompiledPass
+        One entry, or two for a loop that swaps targets: the passes of even and of odd rounds.
+    """
+
+    step: Step
+    rounds: tuple[tuple[CompiledPass, ...], ...]
+
+    @property
+    def passes(self) -> tuple[CompiledPass, ...]:
+        """The passes of the first round."""
+        return self.rounds[0]
+
+    def release(self) -> None:
+        """Free the objects of all passes."""
+        for passes in self.rounds:
+            for item in passes:
+                item.release()
+
+
+def _no_counts() -> dict[Access, int]:
+    return {}
+
+
+class Executor:
+    """Issues compiled steps, and measures them on request.
+
+    Parameters
+    ----------
+    device : Device
+    views : mapping of int to moderngl.Buffer
+        The uniform block `View` by the `subsample` of the written targets.
+    copy : callable, optional
+        Copies the first of two named targets to the second; for loops that swap targets.
+    take_counts : callable, optional
+        Returns the accesses to buffers since its last call.
+    """
+
+    def __init__(
+        self,
+        device: Device,
+        views: Mapping[int, moderngl.Buffer],
+        copy: Callable[[str, str], None] | None = None,
+        take_counts: Callable[[], dict[Access, int]] = _no_counts,
+    ) -> None:
+        self._device, self._views = device, views
+        self._copy, self._take_counts = copy, take_counts
+
+    def issue(
+        self,
+        steps: Sequence[CompiledStep],
+        orders: Mapping[Hashable, IndexOrder],
+        scissor: Scissor | None = None,
+        records: Sequence[PassRecord] | None = None,
+    ) -> None:
+        """Issue all steps once.
+
+        Parameters
+        ----------
+        steps : sequence of CompiledStep
+        orders : mapping
+            Draw order by the key that a gather pass asks for.
+        scissor : (int, int, int, int), optional
+            Part of the frame to draw; downsampled targets are drawn as a whole. Default: all.
+        records : sequence of PassRecord, optional
+            One record per pass, in order, to which the measurements are added. Measuring waits
+            after every draw.
+        """
+        first = 0
+        for compiled in steps:
+            count = len(compiled.passes)
+            mine = records[first : first + count] if records is not None else None
+            draws = _Draws(self._device, self._views, orders, scissor, mine, self._take_counts)
+            if isinstance(compiled.step, Interleaved):
+                draws.interleave(compiled)
+            elif isinstance(compiled.step, Loop):
+                self._loop(compiled, compiled.step, draws)
+            else:
+                draws.draw(0, compiled.passes[0])
+            first += count
+
+    def _loop(self, compiled: CompiledStep, loop: Loop, draws: _Draws) -> None:
+        done = 0
+        for number in range(loop.times):
+            self._set_iteration(number)
+            empty = False
+            for index, item in enumerate(compiled.rounds[number % len(compiled.rounds)]):
+                queried = item.step.name == loop.until_empty
+                passed = draws.draw(index, item, queried=queried)
+                empty = empty or (queried and passed == 0)
+            done = number + 1
+            if empty:
+                break
+        if done % 2 and self._copy is not None:
+            for one, other in loop.swaps:
+                self._copy(other, one)
+        self._set_iteration(0)
+
+    def _set_iteration(self, iteration: int) -> None:
+        for view in self._views.values():
+            view.write(np.uint32(iteration).tobytes(), offset=ITERATION_OFFSET)
+
+
+@dataclass(frozen=True)
+class _Draws:
+    """The draws of one step."""
+
+    device: Device
+    views: Mapping[int, moderngl.Buffer]
+    orders: Mapping[Hashable, IndexOrder]
+    scissor: Scissor | None
+    records: Sequence[PassRecord] | None
+    take_counts: Callable[[], dict[Access, int]]
+
+    def interleave(self, compiled: CompiledStep) -> None:
+        """Draw all passes for one unit before the next unit."""
+        for first, count in self.orders[compiled.passes[0].draws].units:
+            for index, item in enumerate(compiled.passes):
+                self.draw(index, item, (int(first), int(count)))
+        for record in self.records or ():
+            record.runs = 1
+
+    def draw(
+        self,
+        index: int,
+        item: CompiledPass,
+        unit: tuple[int, int] | None = None,
+        queried: bool = False,
+    ) -> int:
+        """Draw one pass; return the samples that passed if they were `queried` or measured."""
+        record = self.records[index] if self.records is not None else None
+        measured = queried or record is not None
+        query = self.device.samples_query if measured else None
+        with self._timed(record):
+            for framebuffer, entry, value in item.clears:
+                framebuffer.use()
+                framebuffer.scissor = self._within(framebuffer, item)
+                self.device.clear(0, entry, value)
+            item.begin(self.views[item.subsample], self._within(item.framebuffer, item))
+            with query or nullcontext():
+                self._submit(item, unit)
+        passed = int(query.samples) if query is not None else 0
+        if record is not None:
+            # Early tests also count fragments that the scene's shader discards; a pass that
+            # stores its fragments in buffers is counted there.
+            stored = isinstance(item.step, Gather) and bool(item.step.buffers)
+            record.fragments += 0 if stored else passed
+            record.runs += 1
+        return passed
+
+    def _submit(self, item: CompiledPass, unit: tuple[int, int] | None) -> None:
+        if item.draws is None:
+            item.draw_screen()
+            return
+        order = self.orders[item.draws]
+        first, count = unit or (0, order.triangles)
+        if count:
+            item.draw(order.indices, first, count)
+
+    def _within(self, framebuffer: moderngl.Framebuffer, item: CompiledPass) -> Scissor:
+        """Return the part to draw: the scissor applies to the frame, not to smaller targets."""
+        if self.scissor is not None and item.subsample == 1:
+            return self.scissor
+        return (0, 0, *framebuffer.size)
+
+    @contextmanager
+    def _timed(self, record: PassRecord | None) -> Iterator[None]:
+        if record is None:
+            yield
+            return
+        self.device.finish()
+        start = time.perf_counter()
+        yield
+        self.device.finish()
+        record.milliseconds += 1e3 * (time.perf_counter() - start)
+        for key, count in self.take_counts().items():
+            record.accesses[key] = record.accesses.get(key, 0) + count

@@ -1,0 +1,122 @@
+"""Measurements of a pass, and the bytes that follow from them. Nothing here needs OpenGL."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Literal
+
+from oitbench.gl.program.bindings import Access
+from oitbench.method.formats import GLSL_BYTES
+from oitbench.method.passes import Gather, Pass, Resolve
+from oitbench.method.storage import Buffer, Target
+
+Kind = Literal["clear", "read", "write", "blend", "atomic"]
+
+
+@dataclass
+class PassRecord:
+    """Measurements of one pass in a frame.
+
+    Parameters
+    ----------
+    name : str
+    runs : int
+        Issued draws of the screen, or of all geometry.
+    fragments : int
+        Samples that passed the depth test, or fragments stored in buffers.
+    milliseconds : float
+        Wall-clock time, including the wait after every draw.
+    accesses : dict
+        Number of accesses to buffers.
+    """
+
+    name: str
+    runs: int = 0
+    fragments: int = 0
+    milliseconds: float = 0.0
+    accesses: dict[Access, int] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Term:
+    """Bytes that one pass moves to or from one resource in one way.
+
+    Parameters
+    ----------
+    pass_ : str
+        Name of the pass.
+    resource : str
+        Target, or buffer and field.
+    kind : str
+        "clear", "read", "write", "blend" (the read that blending or a depth test that writes
+        implies) or "atomic" (a read and a write).
+    items : int
+        Measured number of pixels, fragments or accesses.
+    bytes_per_item : int
+    """
+
+    pass_: str
+    resource: str
+    kind: Kind
+    items: int
+    bytes_per_item: int
+
+    @property
+    def bytes(self) -> int:
+        """Items times bytes of each."""
+        return self.items * self.bytes_per_item
+
+
+def terms_of(
+    step: Pass,
+    record: PassRecord,
+    targets: Mapping[str, Target],
+    texels: Callable[[str], int],
+    buffers: Mapping[str, Buffer],
+    taps: Mapping[str, int] | None = None,
+    label: str = "",
+) -> list[Term]:
+    """Return the traffic of one pass.
+
+    Parameters
+    ----------
+    step : Gather or Resolve
+    record : PassRecord
+    targets : mapping of str to Target
+    texels : callable
+        From the name of a target to its number of texels, samples included.
+    buffers : mapping of str to Buffer
+    taps : mapping of str to int, optional
+        Texels of each read target that one output needs. Default: a pass over pixels counts each
+        texel once, however often its filter fetches it.
+    label : str, optional
+        Name of the pass in the terms. Default: that of the record.
+    """
+    name, items = label or record.name, record.fragments
+
+    def term(resource: str, kind: Kind, count: int) -> Term:
+        return Term(name, resource, kind, count, targets[resource].texel.bytes)
+
+    terms = [term(target, "clear", texels(target) * record.runs) for target in step.clears]
+    for target in step.reads:
+        count = items
+        if taps is not None:
+            count = taps[target] * items
+        elif isinstance(step, Resolve):
+            count = min(items, texels(target) * record.runs)
+        terms.append(term(target, "read", count))
+    if step.depth is not None and (isinstance(step, Resolve) or step.depth_writes):
+        if isinstance(step, Gather):
+            terms.append(term(step.depth, "blend", items))
+        terms.append(term(step.depth, "write", items))
+    for target, blend in step.writes.items():
+        if blend.reads:
+            terms.append(term(target, "blend", items))
+        terms.append(term(target, "write", items))
+    for (buffer, key, kind), count in record.accesses.items():
+        size = GLSL_BYTES[buffers[buffer].fields.get(key, "uint")]
+        terms.append(
+            Term(name, f"{buffer}.{key}", kind, count, 2 * size if kind == "atomic" else size)
+        )
+    return [entry for entry in terms if entry.items]

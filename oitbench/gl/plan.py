@@ -1,0 +1,165 @@
+"""The plan of a frame: everything that is allocated and issued, before any OpenGL object exists."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+from oitbench.effects import Effect
+from oitbench.errors import DeclarationError
+from oitbench.gl.capabilities import FETCH, SPIN_LOCK
+from oitbench.gl.program.bindings import Bindings
+from oitbench.gl.program.prelude import parameter_macros
+from oitbench.method.declaration import Method, Request
+from oitbench.method.passes import OPAQUE_COLOR, OPAQUE_DEPTH, Gather, Pass, Step
+from oitbench.method.steps import all_passes, check_pass, is_programmable
+from oitbench.method.storage import Buffer, Items, Target
+
+Size = tuple[int, int]
+
+
+@dataclass(frozen=True, eq=False)
+class FramePlan:
+    """Targets, buffers and steps of one frame.
+
+    `FramePlan.of` makes one from a method's declaration.
+
+    Parameters
+    ----------
+    label : str
+        Name of the method with its parameters, for messages.
+    size : (int, int)
+        Width and height in pixels, including sub-pixels.
+    effects : Effect
+        Running effects.
+    mechanism : str or None
+        Way of programmable blending; None for a method that does not use it.
+    targets : mapping of str to Target
+        Targets that are allocated for the method; `color` is not one of them.
+    color : Target
+        The image, which starts as the opaque picture.
+    buffers : mapping of str to Buffer
+    steps : tuple of Step
+    bindings : Bindings
+    samples : int
+        Samples per pixel.
+    folders : tuple of Path
+        Folders of the method's shaders; empty for the engine's own.
+    macros : str
+        Parameters of the method as `#define`s.
+    """
+
+    label: str
+    size: Size
+    effects: Effect
+    mechanism: str | None
+    targets: Mapping[str, Target]
+    color: Target
+    buffers: Mapping[str, Buffer]
+    steps: tuple[Step, ...]
+    bindings: Bindings
+    samples: int = 1
+    folders: tuple[Path, ...] = ()
+    macros: str = ""
+
+    @classmethod
+    def of(
+        cls,
+        method: Method,
+        size: Size,
+        effects: Effect = Effect.NONE,
+        *,
+        particles: bool = False,
+        mechanism: str | Callable[[int], str] = FETCH,
+        counted: bool = False,
+    ) -> FramePlan:
+        """Plan a frame of `method`.
+
+        Parameters
+        ----------
+        method : Method
+        size : (int, int)
+        effects : Effect
+        particles : bool
+            Whether the scene has particles.
+        mechanism : str or callable
+            Way of programmable blending, or a function that returns it for a number of samples;
+            it is only asked if the method uses programmable blending.
+        counted : bool
+            Whether buffer accesses are counted.
+
+        Raises
+        ------
+        DeclarationError
+            A pass does not fit the targets and buffers; the message names its shader.
+        """
+        declared = method.plan(Request(effects, particles))
+        targets = dict(declared.targets)
+        color = targets.pop("color", Target("rgba16f"))
+        blending = None
+        if any(is_programmable(item) for item in all_passes(declared.passes)):
+            blending = mechanism if isinstance(mechanism, str) else mechanism(method.sample_count)
+        if blending == SPIN_LOCK:
+            targets["lock"] = Target("r32ui")
+        plan = cls(
+            method.label, size, effects, blending, targets, color,
+            declared.buffers, declared.passes, Bindings.of(declared.buffers, counted),
+            method.sample_count, method.folders, parameter_macros(method),
+        )  # fmt: skip
+        for item in plan.passes:
+            check_pass(item, plan.declared, plan.buffers)
+            if item.depth == OPAQUE_DEPTH:
+                raise DeclarationError(f"{item.shader}: the opaque depth cannot be written")
+        return plan
+
+    @cached_property
+    def declared(self) -> Mapping[str, Target]:
+        """All targets that passes can name, including those of the frame itself."""
+        return {
+            **self.targets,
+            "color": self.color,
+            OPAQUE_COLOR: self.color,
+            OPAQUE_DEPTH: Target("depth32f", clear=(1.0,)),
+        }
+
+    @cached_property
+    def passes(self) -> tuple[Pass, ...]:
+        """All passes in order; a measured frame has one record for each."""
+        return tuple(all_passes(self.steps))
+
+    @property
+    def listed(self) -> list[str]:
+        """Names of the buffers that hold one record per fragment."""
+        return [name for name, item in self.buffers.items() if item.items is Items.FRAGMENTS]
+
+    @property
+    def subsamples(self) -> set[int]:
+        """Downsampling factors of the targets."""
+        return {1, *(target.subsample for target in self.targets.values())}
+
+    @property
+    def copies_depth(self) -> bool:
+        """Whether a pass over fragments reads the opaque depth that it also tests."""
+        return any(isinstance(p, Gather) and OPAQUE_DEPTH in p.reads for p in self.passes)
+
+    @property
+    def needs_depth_at_centers(self) -> bool:
+        """Whether a multisampled frame has targets of one sample per pixel."""
+        return self.samples > 1 and any(target.single for target in self.targets.values())
+
+    def samples_of(self, target: str) -> int:
+        """Return the samples per pixel of a target."""
+        return 1 if self.declared[target].single else self.samples
+
+    def texels(self, target: str) -> int:
+        """Return the number of texels of a target, samples included."""
+        return math.prod(self.declared[target].size(self.size)) * self.samples_of(target)
+
+    def target_bytes(self) -> list[tuple[str, int]]:
+        """Return (target, bytes) of all targets that the method allocates."""
+        return [
+            (name, target.texel.bytes * self.texels(name)) for name, target in self.targets.items()
+        ]

@@ -1,0 +1,280 @@
+"""Renders, scores and times cells, keeping the objects that consecutive cells share."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from oitbench.effects import Effect, names
+from oitbench.errors import CapabilityError, OitbenchError
+from oitbench.gl.device import Device
+from oitbench.gl.frame import Frame, Image, check_size
+from oitbench.gl.uploaded_scene import UploadedScene
+from oitbench.image import files, metrics
+from oitbench.matrix.cell import Cell, choose_effects
+from oitbench.measure import accounting, timing
+from oitbench.method.declaration import Method
+from oitbench.plugins import Collection
+from oitbench.results.schema import (
+    EXACT,
+    PATH_TRACED,
+    CellKey,
+    EffectNames,
+    Memory,
+    Nonfinite,
+    Outcome,
+    PassRuns,
+    Record,
+    Scores,
+    SharedShading,
+    Status,
+    Time,
+    Traffic,
+)
+from oitbench.results.store import image_path
+from oitbench.scene import Scene
+
+_LEFT_OUT = "left out of this run"
+
+
+@dataclass
+class Stopwatch:
+    """Seconds spent by kind of work: "rendering", "metrics", "references"."""
+
+    spent: dict[str, float] = field(default_factory=dict)
+
+    @contextmanager
+    def running(self, kind: str) -> Iterator[None]:
+        """Add the time spent inside to `kind`."""
+        start = time.perf_counter()
+        try:
+            yield
+        finally:
+            self.spent[kind] = self.spent.get(kind, 0.0) + time.perf_counter() - start
+
+    def take(self) -> dict[str, float]:
+        """Return the seconds since the last call."""
+        spent, self.spent = self.spent, {}
+        return spent
+
+
+@dataclass(frozen=True)
+class _Stage:
+    """A scene on the device with its exact truth, which the cells of one scene and size share."""
+
+    label: str
+    size: tuple[int, int]
+    ssaa: int
+    uploaded: UploadedScene
+    exact: Image
+    exact_transmittance: Image
+
+    @property
+    def scene(self) -> Scene:
+        return self.uploaded.scene
+
+
+@dataclass(frozen=True)
+class _Cost:
+    """Counts of one frame without sub-pixels."""
+
+    fragments: int
+    passes: list[PassRuns]
+    memory: Memory
+    traffic: Traffic
+    shading: SharedShading
+
+
+class Bench:
+    """Renders cells one after another.
+
+    Parameters
+    ----------
+    collection : Collection
+    folder : Path
+        The results folder, below which images are written.
+    """
+
+    def __init__(self, collection: Collection, folder: Path) -> None:
+        self.collection, self.folder = collection, folder
+        self.device = Device()
+        self.watch = Stopwatch()
+        self._stage: _Stage | None = None
+
+    def run(self, cell: Cell, path_traced: bool = True) -> Record:
+        """Render and score one cell; an error that belongs to the cell becomes its reason.
+
+        Parameters
+        ----------
+        cell : Cell
+        path_traced : bool
+            Whether to score it against path tracing too.
+        """
+        start = time.perf_counter()
+        outcome: Outcome | None = None
+        status: Status = "ok"
+        reason = ""
+        try:
+            outcome = self._run(cell, path_traced)
+        except CapabilityError as error:
+            status, reason = "skipped", str(error)
+        except OitbenchError as error:
+            status, reason = "failed", str(error)
+        else:
+            reason = _unstable_pixels(outcome.nonfinite)
+            status = "unstable" if reason else "ok"
+        seconds = time.perf_counter() - start
+        return cell.record(status, reason, seconds=seconds, outcome=outcome)
+
+    def _run(self, cell: Cell, path_traced: bool) -> Outcome:
+        (method,) = self.collection.expand_methods([cell.method])
+        fine = (cell.size[0] * cell.ssaa, cell.size[1] * cell.ssaa)
+        check_size(self.device, fine)
+        stage = self._prepare(cell)
+        scene, uploaded = stage.scene, stage.uploaded
+        requested = choose_effects(cell.effects, scene.effects)
+        effects = requested & method.shows
+        with self.watch.running("rendering"):
+            with Frame(uploaded, method, fine, effects) as frame:
+                image, transmittance = _with_transmittance(frame, cell.ssaa)
+                complexity = int(frame.complexity.max())
+            cost = _count(uploaded, method, cell.size, effects)
+            spread = _order_spread(uploaded, method, cell, effects)
+        images = {"color": image_path(cell.key, "color"), EXACT: _shared_image(cell, EXACT)}
+        files.write_exr(self.folder / images["color"], image)
+        with self.watch.running("metrics"):
+            exact = metrics.compare(stage.exact, image, scene.exposure)
+            exact[metrics.TRANSMITTANCE] = metrics.rmse_transmittance(
+                stage.exact_transmittance, transmittance
+            )
+        scores = {EXACT: Scores(exact | spread), PATH_TRACED: Scores(reason=_LEFT_OUT)}
+        if path_traced:
+            scores[PATH_TRACED] = self._score_path_traced(cell, scene, image, images)
+        return Outcome(
+            parameters=method.values,
+            effects=EffectNames(
+                requested=names(requested & scene.effects),
+                expressed=names(effects),
+                missing=names(requested & scene.effects & ~method.shows),
+            ),
+            fragments=cost.fragments,
+            max_depth_complexity=complexity,
+            passes=cost.passes,
+            memory=cost.memory,
+            traffic=cost.traffic,
+            shading=cost.shading,
+            nonfinite=Nonfinite(**metrics.count_nonfinite(image)),
+            scores=scores,
+            images=images,
+            exposure=scene.exposure,
+        )
+
+    def _prepare(self, cell: Cell) -> _Stage:
+        """Return the stage of the cell's scene, which is kept while scene and size stay the same."""
+        wanted = (cell.scene, cell.size, cell.ssaa)
+        stage = self._stage
+        if stage is not None and (stage.label, stage.size, stage.ssaa) == wanted:
+            return stage
+        if stage is not None:
+            self._stage = None
+            stage.uploaded.release()
+        with self.watch.running("rendering"), ExitStack() as stack:
+            scene = self.collection.build_scene(cell.scene)
+            uploaded = stack.enter_context(UploadedScene(self.device, scene))
+            truth = self.collection.truth()
+            fine = (cell.size[0] * cell.ssaa, cell.size[1] * cell.ssaa)
+            with Frame(uploaded, truth, fine, scene.effects & truth.shows) as frame:
+                exact, transmittance = _with_transmittance(frame, cell.ssaa)
+            files.write_exr(self.folder / _shared_image(cell, EXACT), exact)
+            stack.pop_all()
+        self._stage = _Stage(cell.scene, cell.size, cell.ssaa, uploaded, exact, transmittance)
+        return self._stage
+
+    def _score_path_traced(
+        self, cell: Cell, scene: Scene, image: Image, images: dict[str, str]
+    ) -> Scores:
+        """Score the image against path tracing, and add the path-traced picture to `images`."""
+        from oitbench.path_traced.references.obtain import obtain_reference
+
+        try:
+            with self.watch.running("references"):
+                reference = obtain_reference(
+                    scene, cell.scene, cell.size, cell.ssaa, self.collection.folders
+                )
+        except CapabilityError as error:
+            return Scores(reason=str(error))
+        images[PATH_TRACED] = _shared_image(cell, PATH_TRACED)
+        files.write_exr(self.folder / images[PATH_TRACED], reference.mean)
+        with self.watch.running("metrics"):
+            values = metrics.compare(reference.mean, image, scene.exposure)
+        return Scores(values, dict(reference.noise_floor), message=reference.message)
+
+    def time(self, cells: Sequence[Cell], rounds: int, budget: float) -> list[Time]:
+        """Time the cells of one scene against each other; return their times in order."""
+        with self.watch.running("rendering"), ExitStack() as stack:
+            scene = self.collection.build_scene(cells[0].scene)
+            uploaded = stack.enter_context(UploadedScene(self.device, scene))
+            frames: dict[str, Frame] = {}
+            for cell in cells:
+                (method,) = self.collection.expand_methods([cell.method])
+                effects = choose_effects(cell.effects, scene.effects) & method.shows
+                frame = stack.enter_context(Frame(uploaded, method, cell.size, effects))
+                frame.render()
+                frames[str(cell.key)] = frame
+            samples = timing.measure(frames, rounds, budget, cells[0].seed)
+            return [
+                timing.times(samples[str(cell.key)], frames[str(cell.key)].measure())
+                for cell in cells
+            ]
+
+
+def _shared_image(cell: Cell, kind: str) -> str:
+    """Return the path of an image that all methods of the cell's scene share."""
+    return image_path(CellKey(cell.scene, "", cell.size, cell.ssaa, ""), kind)
+
+
+def _with_transmittance(frame: Frame, ssaa: int) -> tuple[Image, Image]:
+    """Return the image and the transmittance alone, averaged over sub-pixels."""
+    frame.render()
+    image = files.box_downsample(frame.image(), ssaa)
+    frame.render(transmittance=True)
+    return image, files.box_downsample(frame.image(), ssaa)
+
+
+def _count(
+    uploaded: UploadedScene, method: Method, size: tuple[int, int], effects: Effect
+) -> _Cost:
+    """Count fragments, memory and traffic of one frame without sub-pixels."""
+    with Frame(uploaded, method, size, effects, counted=True) as frame:
+        frame.render()
+        measured = frame.measure()
+        return _Cost(
+            int(frame.complexity.sum()),
+            [PassRuns(record.name, record.runs) for record in measured.passes],
+            accounting.memory(frame),
+            accounting.traffic(frame, measured),
+            accounting.shading(frame, measured),
+        )
+
+
+def _order_spread(
+    uploaded: UploadedScene, method: Method, cell: Cell, effects: Effect
+) -> dict[str, float | None]:
+    with Frame(uploaded, method, cell.size, effects) as frame:
+
+        def permuted() -> Iterator[Image]:
+            for number in range(1, cell.permutations + 1):
+                frame.render(permutation=number)
+                yield frame.image()
+
+        return metrics.order_spread(permuted())
+
+
+def _unstable_pixels(counts: Nonfinite) -> str:
+    """Return the kinds of unstable pixels in words; empty if there are none."""
+    kinds = {"nan": counts.nan, "inf": counts.inf, "negative": counts.negative}
+    bad = [f"{count} {kind}" for kind, count in kinds.items() if count]
+    return f"pixels: {', '.join(bad)}" if bad else ""

@@ -1,0 +1,99 @@
+"""Pure functions about the passes of a plan, and the checks that they must pass."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator, Mapping
+
+from oitbench.errors import DeclarationError, unknown
+from oitbench.method.passes import OPAQUE_DEPTH, Gather, Interleaved, Loop, Pass, Step
+from oitbench.method.storage import Buffer, Target
+
+
+def passes_of(step: Step) -> tuple[Pass, ...]:
+    """Return the passes of a step, in order."""
+    return step.passes if isinstance(step, Interleaved | Loop) else (step,)
+
+
+def all_passes(steps: Iterable[Step]) -> Iterator[Pass]:
+    """Yield the passes of all steps, in order."""
+    for step in steps:
+        yield from passes_of(step)
+
+
+def is_programmable(item: Pass) -> bool:
+    """Return whether the pass has a target that its shader blends."""
+    return any(blend.programmable for blend in item.writes.values())
+
+
+def is_single(item: Pass, targets: Mapping[str, Target]) -> bool:
+    """Return whether the pass writes targets that keep one sample per pixel."""
+    return bool(item.writes) and all(targets[name].single for name in item.writes)
+
+
+def subsample_of(item: Pass, targets: Mapping[str, Target]) -> int:
+    """Return the downsampling factor of the targets that the pass writes."""
+    names = [*item.writes, *([item.depth] if item.depth else [])]
+    return next((targets[name].subsample for name in names), 1)
+
+
+def indexed_families(names: Iterable[str]) -> dict[str, int]:
+    """Return the base name and the number of targets that are numbered from 0, as `slice0`."""
+    numbered: dict[str, set[int]] = {}
+    for name in names:
+        match = re.fullmatch(r"(\D+)(\d+)", name)
+        if match is not None:
+            numbered.setdefault(match[1], set()).add(int(match[2]))
+    return {base: len(found) for base, found in numbered.items() if found == {*range(len(found))}}
+
+
+def check_pass(item: Pass, targets: Mapping[str, Target], buffers: Mapping[str, Buffer]) -> None:
+    """Check a pass against the targets and buffers of its frame.
+
+    Raises
+    ------
+    DeclarationError
+        A name is not declared, or the targets of the pass do not fit together.
+    """
+    depths = [item.depth] if item.depth else []
+    for kind, names, known in (
+        ("target", (*item.reads, *item.writes, *item.clears, *depths), targets),
+        ("buffer", item.buffers, buffers),
+    ):
+        for name in names:
+            if name not in known:
+                raise DeclarationError(f"{item.shader}: {unknown(kind, name, known)}")
+    for name in sorted({*item.reads} & {*item.writes}):
+        raise DeclarationError(f"{item.shader}: reads and writes '{name}' in one pass")
+    for name in sorted({*item.reads} & {*depths}):
+        raise DeclarationError(f"{item.shader}: reads and tests '{name}' in one pass")
+    for name in depths:
+        if not targets[name].texel.depth:
+            raise DeclarationError(f"{item.shader}: depth '{name}' is {targets[name].format}")
+    _check_blending(item)
+    _check_sizes(item, targets)
+
+
+def _check_blending(item: Pass) -> None:
+    for name, blend in item.writes.items():
+        if blend.dual and len(item.writes) > 1:
+            raise DeclarationError(
+                f"{item.shader}: {name} blends two sources, so it must be the only target of its"
+                " pass"
+            )
+    if len({blend.programmable for blend in item.writes.values()}) > 1:
+        raise DeclarationError(f"{item.shader}: all targets or none must blend programmably")
+
+
+def _check_sizes(item: Pass, targets: Mapping[str, Target]) -> None:
+    if len({targets[name].single for name in item.writes}) > 1:
+        raise DeclarationError(f"{item.shader}: all targets or none must be single")
+    names = [*item.writes, *([item.depth] if item.depth else [])]
+    if isinstance(item, Gather) and item.depth is None and OPAQUE_DEPTH in targets:
+        names.append(OPAQUE_DEPTH)
+    sizes = {name: targets[name].subsample for name in names}
+    if len({*sizes.values()}) > 1:
+        found = ", ".join(f"{name} 1/{size}" for name, size in sizes.items())
+        raise DeclarationError(f"{item.shader}: all targets of a pass must have one size: {found}")
+    if item.buffers and any(size > 1 for size in sizes.values()):
+        raise DeclarationError(f"{item.shader}: a pass with buffers must have the frame's size")

@@ -1,0 +1,313 @@
+"""The record of a cell and the facts of a run: every field, its type and its unit.
+
+`record.schema.json` beside this file is the JSON Schema of both; write it anew with
+
+    python -m oitbench.results.schema
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Annotated, Any, Final, Literal
+
+import msgspec
+from msgspec import Meta, Struct
+
+from oitbench.parameters import Value
+
+VERSION: Final = 1
+"""Version of the schema; a change of any field raises it."""
+SCHEMA_FILE = Path(__file__).with_name("record.schema.json")
+
+Count = Annotated[int, Meta(ge=0)]
+Size = tuple[int, int]
+Status = Literal["ok", "unstable", "failed", "skipped", "timeout"]
+FINISHED: frozenset[Status] = frozenset({"ok", "unstable"})
+"""Statuses of cells that have an image and numbers."""
+
+EXACT, PATH_TRACED = "exact", "path_traced"
+TRUTHS: Mapping[str, str] = {EXACT: "exact compositing", PATH_TRACED: "path traced"}
+"""Keys of the truths in a record, and their names for readers."""
+
+
+class _Typed(Struct, frozen=True, forbid_unknown_fields=True):
+    """Base of all parts of a record."""
+
+
+class Interval(_Typed, frozen=True):
+    """A median in milliseconds, its 95 % interval, and all samples."""
+
+    median: float
+    low: float
+    high: float
+    samples: list[float]
+
+
+class PassTime(_Typed, frozen=True):
+    """Time of one pass in milliseconds, including the wait after each of its draws."""
+
+    name: str
+    ms: float
+    fragments: Count
+
+
+class Time(_Typed, frozen=True):
+    """Times of a frame; `shading` are the stages that all methods share."""
+
+    frame_ms: Interval
+    sort_ms: float
+    shading: list[PassTime] = []
+    passes: list[PassTime] = []
+
+
+class MemoryTerm(_Typed, frozen=True):
+    """Bytes of one resource."""
+
+    resource: str
+    bytes: Count
+
+
+class Memory(_Typed, frozen=True):
+    """Bytes that a method allocates."""
+
+    bytes: Count
+    bits_per_pixel: float
+    terms: list[MemoryTerm]
+
+
+class TrafficTerm(_Typed, frozen=True, rename={"pass_": "pass"}):
+    """Bytes that one pass moves in one way: `clear`, `read`, `write`, `blend` or `atomic`."""
+
+    pass_: str
+    resource: str
+    kind: Literal["clear", "read", "write", "blend", "atomic"]
+    items: Count
+    bytes_per_item: Count
+    bytes: Count
+
+
+class Traffic(_Typed, frozen=True):
+    """Bytes that a frame moves, without caches and compression."""
+
+    bytes: Count
+    terms: list[TrafficTerm]
+
+
+class SharedShading(_Typed, frozen=True):
+    """Accounts of the stages that all methods share: shadow maps and ambient occlusion."""
+
+    memory: Memory
+    traffic: Traffic
+
+
+class PassRuns(_Typed, frozen=True):
+    """Number of draws of one pass in a frame."""
+
+    name: str
+    runs: Count
+
+
+class Nonfinite(_Typed, frozen=True):
+    """Number of pixels with a channel that is NaN, infinite or negative."""
+
+    nan: Count = 0
+    inf: Count = 0
+    negative: Count = 0
+
+    @property
+    def total(self) -> int:
+        """Sum of all three; a pixel can count twice."""
+        return self.nan + self.inf + self.negative
+
+
+class EffectNames(_Typed, frozen=True):
+    """Effects that the scene requests, that ran, and that the method cannot express."""
+
+    requested: list[str]
+    expressed: list[str]
+    missing: list[str]
+
+
+class Scores(_Typed, frozen=True):
+    """Metrics against one truth; null where a metric has no finite value.
+
+    `noise_floor` holds the same metrics between halves of the truth's own samples. `reason` says
+    why there are no metrics, and `message` what a reader should know about the truth.
+    """
+
+    metrics: dict[str, float | None] = {}
+    noise_floor: dict[str, float | None] = {}
+    reason: str = ""
+    message: str = ""
+
+
+class Outcome(_Typed, frozen=True):
+    """Everything measured of a cell that has an image, except times.
+
+    `images` are paths below the results folder: `color`, the truths, and for each truth
+    `flip_TRUTH`, the maps of FLIP (channel `ldr`) and HDR-FLIP (`hdr`). `exposure` is in stops.
+    """
+
+    parameters: dict[str, Value]
+    effects: EffectNames
+    fragments: Count
+    max_depth_complexity: Count
+    passes: list[PassRuns]
+    memory: Memory
+    traffic: Traffic
+    shading: SharedShading
+    nonfinite: Nonfinite
+    scores: dict[str, Scores]
+    images: dict[str, str]
+    exposure: float
+
+
+class CellKey(_Typed, frozen=True):
+    """The fields that distinguish one cell from another."""
+
+    scene: str
+    method: str
+    size: Size
+    ssaa: int
+    effects: str
+
+
+class Record(_Typed, frozen=True):
+    """One cell of the matrix of scenes and methods.
+
+    `scene` and `method` are labels with the parameters that differ from their defaults, and `name`
+    is the method's bare name. `size` is in pixels, `ssaa` the side of the sub-pixel grid of
+    accuracy images, and `effects` the requested set of effects. `seconds` is the wall-clock time of
+    rendering and scoring.
+    """
+
+    scene: str
+    method: str
+    name: str
+    size: Size
+    ssaa: Annotated[int, Meta(ge=1)]
+    effects: str
+    seed: int
+    status: Status
+    reason: str = ""
+    seconds: float = 0.0
+    outcome: Outcome | None = None
+    time: Time | None = None
+    schema: Literal[1] = VERSION
+
+    @property
+    def key(self) -> CellKey:
+        """The cell that the record belongs to."""
+        return CellKey(
+            scene=self.scene,
+            method=self.method,
+            size=self.size,
+            ssaa=self.ssaa,
+            effects=self.effects,
+        )
+
+    @property
+    def finished(self) -> bool:
+        """Whether there is an image and numbers."""
+        return self.status in FINISHED and self.outcome is not None
+
+    def metric(self, truth: str, name: str) -> float | None:
+        """Return a metric against a truth, or None."""
+        scores = self.outcome.scores.get(truth) if self.outcome else None
+        return scores.metrics.get(name) if scores else None
+
+    def noise_floor(self, truth: str, name: str) -> float | None:
+        """Return a metric between halves of a truth's own samples, or None."""
+        scores = self.outcome.scores.get(truth) if self.outcome else None
+        return scores.noise_floor.get(name) if scores else None
+
+    @property
+    def missing_effects(self) -> list[str]:
+        """Effects that the scene requests and the method cannot express."""
+        return self.outcome.effects.missing if self.outcome else []
+
+    @property
+    def requested_effects(self) -> list[str]:
+        """Effects that the scene requests and that were not left out."""
+        return self.outcome.effects.requested if self.outcome else []
+
+
+class Renderer(_Typed, frozen=True):
+    """The OpenGL renderer; `software` renderers run on the CPU."""
+
+    renderer: str
+    vendor: str = ""
+    version: str = ""
+    software: bool = False
+
+
+class Processor(_Typed, frozen=True):
+    """The processor."""
+
+    model: str
+    cores: int | None = None
+
+
+class Commit(_Typed, frozen=True):
+    """The state of the checkout."""
+
+    commit: str
+    modified: bool
+
+
+class RunFacts(_Typed, frozen=True):
+    """The machine and the command of a run, and its wall-clock seconds by kind of work."""
+
+    gl: Renderer | None
+    seed: int
+    argv: list[str] = []
+    methods: list[str] = []
+    mesa: str | None = None
+    cpu: Processor | None = None
+    os: str = ""
+    python: str = ""
+    packages: dict[str, str | None] = {}
+    llvm: str | None = None
+    git: Commit | None = None
+    date: str = ""
+    wall: dict[str, float] = {}
+    schema: Literal[1] = VERSION
+
+    @property
+    def renderer(self) -> str:
+        """The name of the OpenGL renderer, or ""."""
+        return self.gl.renderer if self.gl else ""
+
+
+def finite(values: Mapping[str, float | None]) -> dict[str, float | None]:
+    """Return `values` with None for every float that is not finite."""
+    return {
+        name: value if value is not None and math.isfinite(value) else None
+        for name, value in values.items()
+    }
+
+
+def json_schema() -> dict[str, Any]:
+    """Return the JSON Schema of a line of `cells.jsonl` and of `run.json`."""
+    (record, facts), definitions = msgspec.json.schema_components(
+        (Record, RunFacts), ref_template="#/$defs/{name}"
+    )
+    for definition in definitions.values():
+        definition["description"] = " ".join(definition["description"].split())
+    return {
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "title": "Results of oitbench",
+        "oneOf": [record, facts],
+        "$defs": definitions,
+    }
+
+
+def schema_text() -> str:
+    """Return the content of `record.schema.json`."""
+    return msgspec.json.format(msgspec.json.encode(json_schema()), indent=1).decode() + "\n"
+
+
+if __name__ == "__main__":
+    SCHEMA_FILE.write_text(schema_text(), encoding="utf-8")

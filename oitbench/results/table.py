@@ -1,0 +1,43 @@
+"""A record as one flat row, for data frames and CSV files."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from oitbench.image import metrics
+from oitbench.results.schema import EXACT, PATH_TRACED, TRUTHS, Record
+
+MEBIBYTE = 2**20
+MEGABYTE = 10**6
+_EXACT_ONLY = (metrics.TRANSMITTANCE, metrics.ORDER_SPREAD_MAX, metrics.ORDER_SPREAD_MEAN)
+_FLOORS = (metrics.FLIP_LDR, metrics.FLIP_HDR, metrics.RMSE)
+
+
+def flat(record: Record) -> dict[str, Any]:
+    """Return a cell as one row; numbers that do not exist are None."""
+    outcome, frame = record.outcome, record.time.frame_ms if record.time else None
+    row: dict[str, Any] = {
+        "scene": record.scene,
+        "method": record.method,
+        "name": record.name,
+        "width": record.size[0],
+        "height": record.size[1],
+        "ssaa": record.ssaa,
+        "effects": record.effects,
+        "status": record.status,
+        "reason": record.reason,
+        "frame_ms": frame.median if frame else None,
+        "frame_ms_low": frame.low if frame else None,
+        "frame_ms_high": frame.high if frame else None,
+        "memory_mib": outcome.memory.bytes / MEBIBYTE if outcome else None,
+        "bits_per_pixel": outcome.memory.bits_per_pixel if outcome else None,
+        "traffic_mb": outcome.traffic.bytes / MEGABYTE if outcome else None,
+        "fragments": outcome.fragments if outcome else None,
+        "max_depth_complexity": outcome.max_depth_complexity if outcome else None,
+        "missing_effects": ", ".join(record.missing_effects),
+        "unstable_pixels": outcome.nonfinite.total if outcome else 0,
+    }
+    for truth in TRUTHS:
+        row |= {f"{truth}.{name}": record.metric(truth, name) for name in metrics.NAMES}
+    row |= {f"{EXACT}.{name}": record.metric(EXACT, name) for name in _EXACT_ONLY}
+    return row | {f"noise_floor.{name}": record.noise_floor(PATH_TRACED, name) for name in _FLOORS}
