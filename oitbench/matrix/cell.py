@@ -178,7 +178,7 @@ class Bench:
         images.write_exr(self.folder / relative, image)
         nonfinite = metrics.count_nonfinite(image)
         with self.watch.running("metrics"):
-            exact = metrics.compare(stage.exact, image, scene.exposure)
+            exact = metrics.compare(stage.exact, image, scene.exposure).values
             exact[metrics.TRANSMITTANCE] = metrics.rmse_transmittance(
                 stage.exact_transmittance, transmittance
             )
@@ -296,7 +296,7 @@ class Bench:
         path = self._shared_image(cell, "path_traced")
         images.write_exr(self.folder / path, reference.mean)
         with self.watch.running("metrics"):
-            scores: Record = dict(metrics.compare(reference.mean, image, scene.exposure))
+            scores: Record = dict(metrics.compare(reference.mean, image, scene.exposure).values)
         scores["noise_floor"] = dict(reference.noise_floor)
         if reference.message:
             scores["message"] = reference.message
