@@ -284,11 +284,11 @@ class Bench:
 
     def _path_traced(self, cell: Cell, scene: Scene, image: Image) -> tuple[Record, dict[str, str]]:
         """Hold the image against the path-traced truth, or say why there is none."""
-        from oitbench.path_traced.references.obtain import obtain_reference
+        from oitbench.path_traced.references.lookup import find_or_render
 
         try:
             with self.watch.running("references"):
-                reference = obtain_reference(
+                reference = find_or_render(
                     scene, cell.scene, cell.size, cell.ssaa, self.collection.folders
                 )
         except CapabilityError as error:
@@ -297,7 +297,7 @@ class Bench:
         images.write_exr(self.folder / path, reference.mean)
         with self.watch.running("metrics"):
             scores: Record = dict(metrics.compare(reference.mean, image, scene.exposure).values)
-        scores["noise_floor"] = dict(reference.noise_floor)
+        scores["noise_floor"] = reference.info.noise_floor
         if reference.message:
             scores["message"] = reference.message
         return scores, {"path_traced": path}
