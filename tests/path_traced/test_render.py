@@ -73,7 +73,9 @@ def test_fragment_lists_are_refused() -> None:
     layer = np.ones((1, 2, 2), dtype=np.float32)
     color = np.ones((1, 2, 2, 3), dtype=np.float32)
     scene = Scene("lists", FRONT, lists=FragmentLists(layer, layer, color, color))
-    with pytest.raises(CapabilityError, match=r"scene lists: .* cannot be path traced"):
+    with pytest.raises(
+        CapabilityError, match=r"scene lists: .* cannot be path traced; give the scene meshes"
+    ):
         render(scene, (2, 2))
 
 

@@ -15,8 +15,8 @@ def require_traceable(scene: Scene) -> None:
     """
     if scene.lists is not None:
         raise CapabilityError(
-            f"scene {scene.name}: fragment lists have no geometry and cannot be path traced; "
-            "compare with the exact reference only"
+            f"scene {scene.name}: fragment lists have no geometry, so they cannot be path traced; "
+            "give the scene meshes"
         )
     corners = [item.mesh.positions[item.mesh.triangles] for item in scene.objects]
     owners = np.repeat(np.arange(len(corners)), [len(part) for part in corners])

@@ -5,21 +5,21 @@ Refracting solids block it, because the light that they let through is a caustic
 deliver. Light from the environment is followed along paths that solids refract and a medium
 scatters.
 
-Where a scene needs random numbers, a path passes many points at which it could look for light. It
-looks from one of them, which reservoir sampling selects in proportion to the unshadowed light
-(Talbot et al. 2005, "Importance resampling for global illumination").
+Where a scene needs random numbers, a path passes many points from which it could look for light. It
+looks from one of them, which reservoir sampling selects in proportion to the unshadowed light (see
+`reservoirs`).
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any
 
 from oitbench.path_traced.optics.reflection import microfacets
 from oitbench.path_traced.trace.hits import NO_FACE, STEP, Hit, Line
 from oitbench.path_traced.trace.lights import TracedBeam, TracedEnvironment
 from oitbench.path_traced.trace.medium import TracedMedium
+from oitbench.path_traced.trace.reservoirs import Candidate, Reservoir, Reservoirs
 from oitbench.path_traced.trace.surfaces import Surfaces
 from oitbench.scene import Scene
 
@@ -30,62 +30,6 @@ LEAST_SHARE = 0.1
 towards brighter parts of the environment."""
 MAX_BOUNCES = 200
 """Refractions and scattering events after which light from the environment is given up."""
-
-
-@dataclass
-class Candidate:
-    """A point and a direction from which a path could look for light.
-
-    Parameters
-    ----------
-    line : Line
-        From the point toward the light.
-    limit : Float
-        Distance of the light in metres.
-    value : Color3f
-        Light that reaches the eye if nothing is in the way; for the environment, without the factor
-        of its radiance.
-    weight : Float
-    """
-
-    line: Line
-    limit: Any
-    value: Any
-    weight: Any
-
-
-@dataclass
-class Reservoir:
-    """The selected one of all candidates so far.
-
-    Parameters
-    ----------
-    line, limit
-        As in `Candidate`.
-    value : Color3f
-        That of the candidate, divided by its weight.
-    total : Float
-        Sum of the weights of all candidates.
-    """
-
-    line: Line
-    limit: Any
-    value: Any
-    total: Any
-
-
-@dataclass
-class Reservoirs:
-    """Reservoirs for beams on surfaces, for beams in a medium, and for the environment.
-
-    They are None where a scene lacks the light. They are separate because the weights ignore
-    shadows: a strong light in the shadow of one kind must not keep the other kinds from being
-    selected.
-    """
-
-    surface_beam: Reservoir | None
-    medium_beam: Reservoir | None
-    environment: Reservoir | None
 
 
 class LightSampler:
@@ -119,13 +63,8 @@ class LightSampler:
         diffuse = self._environment.lights and "albedo" in self._surfaces.has
         beam = bool(self._beams)
         needed = (beam, beam and self._medium is not None, diffuse)
-        return Reservoirs(*[self._empty() if one else None for one in needed])
-
-    def _empty(self) -> Reservoir:
-        mitsuba, drjit = self._mitsuba, self._drjit
-        zero, color = mitsuba.Float(0), mitsuba.Color3f(0)
-        line = Line(mitsuba.Point3f(0), mitsuba.Vector3f(0, 0, 1), zero, mitsuba.UInt32(0))
-        return Reservoir(line, mitsuba.Float(drjit.inf), color, zero)
+        found = [Reservoir.empty(self._mitsuba, self._drjit) if one else None for one in needed]
+        return Reservoirs(*found)
 
     def beam_light(self, line: Line, hit: Hit, active: Any) -> Any:
         """Return α·L that all beams cause at `hit`, without random numbers."""
@@ -143,17 +82,18 @@ class LightSampler:
         self, reservoirs: Reservoirs, line: Line, hit: Hit, throughput: Any, rng: Any, active: Any
     ) -> tuple[Reservoirs, Any]:
         """Add the candidates of a surface: one for each beam, and one for the environment."""
-        drjit, layer = self._drjit, hit.layer
+        mitsuba, drjit, layer = self._mitsuba, self._drjit, hit.layer
         active = active & (hit.outside | ~layer.refracts)
         beam, environment = reservoirs.surface_beam, reservoirs.environment
         for light in self._beams:
             toward, distance, arriving = light.toward(hit.si.p)
             value = throughput * self._scattering(line, hit, toward) * arriving
             found = Candidate(self._leaving(hit, toward), distance, value, drjit.mean(value))
-            beam, rng = self._select(beam, found, rng, active)
+            assert beam is not None
+            beam, rng = beam.add(mitsuba, drjit, found, rng, active)
         if environment is not None:
             found, rng = self._environment_candidate(hit, throughput, rng, active)
-            environment, rng = self._select(environment, found, rng, active)
+            environment, rng = environment.add(mitsuba, drjit, found, rng, active)
         return Reservoirs(beam, reservoirs.medium_beam, environment), rng
 
     def _environment_candidate(
@@ -202,7 +142,8 @@ class LightSampler:
             value = throughput * medium.albedo * arriving * part
             leaving = Line(p, toward, mitsuba.Float(0), mitsuba.UInt32(NO_FACE))
             found = Candidate(leaving, distance, value, drjit.mean(value))
-            selected, rng = self._select(selected, found, rng, crosses)
+            assert selected is not None
+            selected, rng = selected.add(mitsuba, drjit, found, rng, crosses)
         return Reservoirs(reservoirs.surface_beam, selected, reservoirs.environment), rng
 
     def _scattering(self, line: Line, hit: Hit, toward: Any) -> Any:
@@ -219,24 +160,6 @@ class LightSampler:
         mitsuba, drjit = self._mitsuba, self._drjit
         start = STEP * drjit.max(drjit.abs(hit.si.p))
         return Line(mitsuba.Point3f(hit.si.p), mitsuba.Vector3f(toward), start, hit.face)
-
-    def _select(
-        self, reservoir: Reservoir | None, candidate: Candidate, rng: Any, active: Any
-    ) -> tuple[Reservoir, Any]:
-        """Select `candidate` with the probability of its part in the sum of all weights."""
-        drjit, mitsuba = self._drjit, self._mitsuba
-        assert reservoir is not None
-        active = active & (candidate.weight > 0)
-        total = reservoir.total + drjit.select(active, candidate.weight, 0)
-        taken = active & (rng.next_float32(active) * total < candidate.weight)
-        value = mitsuba.Color3f(candidate.value / candidate.weight)
-        selected = Reservoir(
-            candidate.line.where(drjit, taken, reservoir.line),
-            drjit.select(taken, candidate.limit, reservoir.limit),
-            drjit.select(taken, value, reservoir.value),
-            total,
-        )
-        return selected, rng
 
     def _transmittance(self, line: Line, limit: Any, active: Any) -> Any:
         """Return the transmittance of all surfaces on a straight line up to `limit`."""

@@ -25,7 +25,8 @@ from oitbench.path_traced.photons.map import CausticMap
 from oitbench.path_traced.trace.hits import NO_FACE, Hit, Line
 from oitbench.path_traced.trace.lights import TracedEnvironment
 from oitbench.path_traced.trace.medium import TracedMedium
-from oitbench.path_traced.trace.next_event import LightSampler, Reservoirs
+from oitbench.path_traced.trace.next_event import LightSampler
+from oitbench.path_traced.trace.reservoirs import Reservoirs
 from oitbench.path_traced.trace.surfaces import Surfaces
 from oitbench.scene import Scene
 

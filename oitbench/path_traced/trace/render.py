@@ -38,7 +38,8 @@ class Estimate:
     variance : array, shape (h, w, 3), float32
         Variance of that mean.
     halves : pair of array, shape (h, w, 3), float32
-        Means of the even and of the odd samples. Their difference is the noise floor.
+        Means of the even and of the odd samples; with caustics, of the samples of the even and of
+        the odd caustic maps. Their difference is the noise floor.
     spp : int
         Samples that were taken for each sub-pixel.
     """
