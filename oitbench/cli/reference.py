@@ -50,7 +50,7 @@ class Job:
     type=click.IntRange(0),
     default=1,
     show_default=True,
-    help="Seed of the random numbers; --check uses another one than the reference.",
+    help="Seed of the random numbers; with --check, a seed other than the reference's is used.",
 )
 @click.option(
     "--check",

@@ -1,4 +1,4 @@
-"""Image metrics, and a guard that keeps them from scoring invalid images in silence.
+"""Image metrics, which refuse to score invalid images.
 
 The name of a metric contains its parameters. `flip_ldr@67ppd`, `ssim_gauss11_srgb` and `psnr_srgb`
 compare the displayed images (one exposure, clipped, sRGB). `flip_hdr@67ppd`, `rmse_lin` and
@@ -54,8 +54,8 @@ class Scores:
         All metrics of `NAMES`. None where a metric has no finite value, and for all of them if a
         pixel of either image is not finite.
     maps : dict of str to array, shape (h, w), float32
-        The errors of each pixel whose means are `FLIP_LDR` and `FLIP_HDR`; empty if a pixel of
-        either image is not finite.
+        For `FLIP_LDR` and `FLIP_HDR`, the error of each pixel; the value is its mean. Empty if a
+        pixel of either image is not finite.
     """
 
     values: dict[str, float | None]
@@ -184,12 +184,12 @@ def rmse_transmittance(reference: npt.ArrayLike, test: npt.ArrayLike) -> float |
 
 
 def order_spread(permuted: Iterable[npt.ArrayLike]) -> dict[str, float | None]:
-    """Return how much images of one scene differ whose draws were submitted in different orders.
+    """Return how much the image of a scene depends on the order of the draws.
 
     Parameters
     ----------
     permuted : iterable of array, shape (h, w, 3)
-        Consumed one image at a time, so that a generator saves memory.
+        Images of permuted draws. They are consumed one at a time, so that a generator saves memory.
 
     Returns
     -------

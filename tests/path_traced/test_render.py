@@ -1,4 +1,4 @@
-"""Rendering: statistics, seeds, variants, and what is refused."""
+"""Rendering: statistics, seeds, variants, and refused input."""
 
 from __future__ import annotations
 

@@ -11,7 +11,7 @@ from oitbench.scene import Scene
 def require_traceable(scene: Scene) -> None:
     """Raise `CapabilityError` if `scene` cannot be path traced.
 
-    Fragment lists have no geometry. Of triangles that coincide exactly, a ray meets only one.
+    Fragment lists have no geometry. Of triangles that coincide exactly, a ray hits only one.
     """
     if scene.lists is not None:
         raise CapabilityError(
@@ -24,7 +24,7 @@ def require_traceable(scene: Scene) -> None:
     edges = np.diff(triangles.astype(np.float64), axis=1)
     solid = np.cross(edges[:, 0], edges[:, 1]).any(axis=1)
     triangles, owners = triangles[solid], owners[solid]
-    # Sort the corners of each triangle by (x, y, z), so that it does not matter which comes first.
+    # Sort the corners of each triangle by (x, y, z): its first corner is arbitrary.
     order = np.lexsort(triangles.transpose(2, 0, 1)[::-1], axis=1)
     triangles = np.take_along_axis(triangles, order[..., None], axis=1)
     rows = np.ascontiguousarray(triangles.reshape(len(triangles), 9)).view("V36").ravel()
@@ -35,5 +35,5 @@ def require_traceable(scene: Scene) -> None:
         names = sorted({scene.objects[owners[index]].name for index in first})
         raise CapabilityError(
             f"scene {scene.name}: {len(doubled)} triangles coincide exactly, as in "
-            f"{' and '.join(names)}, and a ray meets only one of each; move one of them"
+            f"{' and '.join(names)}, and a ray hits only one of each; move one of them"
         )

@@ -27,9 +27,9 @@ LEAST_TRANSMISSION = 1e-6
 def spread(collimation: float) -> float:
     """Return the radius, as a slope, of the uniform disk into which a frosted sheet scatters light.
 
-    Equation 7 of McGuire & Mara 2017 blurs what lies Δz behind a layer by a radius of
-    k₀ (1 − c) (1 − k₁/(k₁ + Δz)) at the distance of the layer. At contact this radius grows at the
-    rate k₀ (1 − c) / k₁ per metre of Δz, which is the slope returned.
+    Equation 7 of McGuire & Mara 2017 blurs a point at the distance Δz behind a layer. At the layer,
+    the radius of the blur is k₀ (1 − c) (1 − k₁/(k₁ + Δz)). At contact, it grows at the rate
+    k₀ (1 − c) / k₁ with Δz. This rate is the slope returned.
     """
     return HALF_SPREAD / SPREAD_DISTANCE * (1 - collimation)
 

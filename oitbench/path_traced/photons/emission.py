@@ -1,4 +1,4 @@
-"""The photons that a beam emits towards its targets, the refracting solids.
+"""The photons that a beam emits toward its targets, the refracting solids.
 
 The scene is projected onto a plane in front of the light: in parallel for a directional light,
 centrally for a spot light. The cells of a grid on this plane that a target's triangles may touch
@@ -171,7 +171,7 @@ def _axes(direction: npt.ArrayLike) -> Floats:
 
 
 def _outside(axes: Floats, bounds: tuple[Floats, Floats]) -> Floats:
-    """Return a point 1.5 diagonals of the box in front of its center, towards the light."""
+    """Return a point 1.5 diagonals of the box in front of its center, toward the light."""
     low, high = bounds
     middle, reach = (low + high) / 2, float(np.linalg.norm(high - low))
     return np.asarray(middle - 1.5 * reach * axes[2])

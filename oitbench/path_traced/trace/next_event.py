@@ -1,6 +1,6 @@
 """Next-event estimation: light from beams and from the environment at the points of a path.
 
-Light from a beam is followed straight through films, whose transmittances color the shadow.
+Light from a beam is followed straight through films. Their transmittances color the shadow.
 Refracting solids block it, because the light that they let through is a caustic, which photons
 deliver. Light from the environment is followed along paths that solids refract and a medium
 scatters.
@@ -27,7 +27,7 @@ CrossInterface = Callable[[Line, Hit, Any, Any, Any], tuple[Line, Any, Any, Any]
 """Crosses the boundary of a refracting solid; see `PathTracer`."""
 LEAST_SHARE = 0.1
 """Part of the mean radiance that is added to the weight of a direction, as solids may refract it
-towards brighter parts of the environment."""
+toward brighter parts of the environment."""
 MAX_BOUNCES = 200
 """Refractions and scattering events after which light from the environment is given up."""
 

@@ -129,17 +129,17 @@ class PathTracer:
         missed = here & ~hit.valid
         environment = self._environment.radiance(path.line.d)
         path.light = path.light + drjit.select(missed, path.throughput * environment, 0)
-        met = here & hit.fresh
-        path, reservoirs = self._shade(path, reservoirs, hit, met)
+        struck = here & hit.fresh
+        path, reservoirs = self._shade(path, reservoirs, hit, struck)
         known = here & hit.valid & ~hit.fresh
         path.line = path.line.onward(drjit, hit, known)
         if self._random:
-            path = self._pass(path, hit, met)
+            path = self._pass(path, hit, struck)
         else:
             layer = hit.layer
             tau = 1 - layer.coverage + layer.coverage * layer.passing
-            path.throughput = drjit.select(met, path.throughput * tau, path.throughput)
-            path.line = path.line.onward(drjit, hit, met)
+            path.throughput = drjit.select(struck, path.throughput * tau, path.throughput)
+            path.line = path.line.onward(drjit, hit, struck)
         active = active & ~missed & drjit.any(path.throughput > 0)
         return self._thinned(path, reservoirs, active)
 
@@ -153,22 +153,22 @@ class PathTracer:
         path.throughput = drjit.select(active & lives, path.throughput / kept, path.throughput)
         return path, reservoirs, active & lives & (path.bounces < MAX_BOUNCES)
 
-    def _shade(self, path: Path, reservoirs: Any, hit: Hit, met: Any) -> tuple[Path, Any]:
+    def _shade(self, path: Path, reservoirs: Any, hit: Hit, struck: Any) -> tuple[Path, Any]:
         """Add emission and caustics, and either the light of beams or candidates for light."""
         drjit, layer = self._drjit, hit.layer
         if "glows" in self._surfaces.has:
-            path.light = path.light + drjit.select(met, path.throughput * layer.light, 0)
+            path.light = path.light + drjit.select(struck, path.throughput * layer.light, 0)
         if self._caustics is not None:
-            lambert = met & ~layer.isotropic & ~layer.refracts
+            lambert = struck & ~layer.isotropic & ~layer.refracts
             irradiance = self._caustics.irradiance(hit.si, lambert)
             diffuse = layer.coverage * layer.albedo / drjit.pi * irradiance
             path.light = path.light + drjit.select(lambert, path.throughput * diffuse, 0)
         if reservoirs is None:
-            found = self._sampler.beam_light(path.line, hit, met)
-            path.light = path.light + drjit.select(met, path.throughput * found, 0)
+            found = self._sampler.beam_light(path.line, hit, struck)
+            path.light = path.light + drjit.select(struck, path.throughput * found, 0)
             return path, reservoirs
         reservoirs, path.rng = self._sampler.add_surface(
-            reservoirs, path.line, hit, path.throughput, path.rng, met
+            reservoirs, path.line, hit, path.throughput, path.rng, struck
         )
         return path, reservoirs
 
@@ -192,7 +192,7 @@ class PathTracer:
         path.bounces = path.bounces + drjit.select(collides, mitsuba.UInt32(1), 0)
         return path, reservoirs, active & ~collides
 
-    def _pass(self, path: Path, hit: Hit, met: Any) -> Path:
+    def _pass(self, path: Path, hit: Hit, struck: Any) -> Path:
         """Choose how a path continues at a surface.
 
         It goes straight on, is reflected, is spread by a frosted sheet, or crosses the boundary of
@@ -200,7 +200,7 @@ class PathTracer:
         """
         drjit, mitsuba, has = self._drjit, self._mitsuba, self._surfaces.has
         layer, line, rng = hit.layer, path.line, path.rng
-        film = met & ~layer.refracts
+        film = struck & ~layer.refracts
         one = rng.next_float32(film)
         two = mitsuba.Point2f(rng.next_float32(film), rng.next_float32(film))
         spreads = layer.spread > 0
@@ -232,7 +232,7 @@ class PathTracer:
         path.since = path.since + drjit.select(film, hit.at - line.along, 0)
         path.rng = rng
         if "refracts" in has:
-            solid = met & layer.refracts
+            solid = struck & layer.refracts
             path.line, factor, path.since, path.rng = self._cross(
                 path.line, hit, path.since, path.rng, solid
             )
