@@ -12,13 +12,14 @@ from rich.console import Console
 
 from oitbench.cli import options
 from oitbench.errors import CapabilityError, UsageError
-from oitbench.path_traced.references import obtain as references
-from oitbench.path_traced.references import stored
-from oitbench.path_traced.references.stored import Reference
-from oitbench.plugins import Collection, own_folder
+from oitbench.path_traced.references import lookup, storage
+from oitbench.path_traced.references.check import CHECK_SPP, check
+from oitbench.path_traced.references.rendering import render_reference
+from oitbench.path_traced.references.storage import ReferenceInfo
+from oitbench.plugins import Collection
 
-_CHECK_SPP = 4
-_CHECK_SEED = 2
+_SIZE = (256, 256)
+_SSAA = 2
 
 
 @dataclass(frozen=True)
@@ -32,18 +33,39 @@ class Job:
 
 @click.command("reference", short_help="Render or check the path-traced references.")
 @click.argument("scenes", nargs=-1, metavar="[SCENE]...")
-@click.option("--spp", type=click.IntRange(2), help="Samples per sub-pixel, where any are drawn.")
-@options.size(None, "Pixels.  [default: as stored, else 256x256]")
-@click.option("--ssaa", type=click.IntRange(1, 16), help="Sub-pixel grid.  [default: 2]")
-@click.option("--seed", type=click.IntRange(0), default=1, show_default=True)
-@click.option("--check", is_flag=True, help="Render again and test against what is stored.")
+@click.option(
+    "--spp",
+    type=click.IntRange(2),
+    help="Samples for each sub-pixel. Scenes that need no random numbers always get one."
+    "  [default: by the scene; 4 with --check]",
+)
+@options.size(None, "Size of the image in pixels.  [default: as stored, else 256x256]")
+@click.option(
+    "--ssaa",
+    type=click.IntRange(1, 16),
+    help="Side of the sub-pixel grid.  [default: as stored, else 2]",
+)
+@click.option(
+    "--seed",
+    type=click.IntRange(0),
+    default=1,
+    show_default=True,
+    help="Seed of the random numbers; with --check, a seed other than the reference's is used.",
+)
+@click.option(
+    "--check",
+    "checks",
+    is_flag=True,
+    help="Render again with few samples, and test the stored references against it.",
+)
 @options.collections
 @click.option(
     "-o",
     "--output",
     metavar="DIR",
     type=click.Path(path_type=Path, file_okay=False),
-    help="Where references, or with --check the images of a failure, are written.",
+    help="Folder for the references, or with --check for the images of failed checks."
+    "  [default: the collection; results/reference_check with --check]",
 )
 def command(
     scenes: tuple[str, ...],
@@ -51,20 +73,20 @@ def command(
     size: tuple[int, int] | None,
     ssaa: int | None,
     seed: int,
-    check: bool,
+    checks: bool,
     collections: tuple[Path, ...],
     output: Path | None,
 ) -> None:
-    """Render the path-traced reference of each SCENE, or of all that are stored.
+    """Render the path-traced reference of each SCENE. Default: all scenes that have one.
 
-    References go to the folder `reference` of the collection that has the scene's file.
-    With --check nothing stored is changed: each is rendered anew with few samples and another
-    seed, and tested pixel by pixel; the exit code is 1 if one fails or is out of date.
+    A reference is written to the folder `reference` of the collection that has the scene's file.
+    With --check, no stored file is changed. Each reference is compared, pixel by pixel, with a new
+    rendering of few samples and another seed. The exit code is 1 if a reference fails or is stale.
     """
     console = Console(highlight=False, soft_wrap=True)
     collection = Collection.load(collections)
     jobs = list(_jobs(collection, scenes, size, ssaa))
-    if check:
+    if checks:
         results = [_check(console, collection, job, spp, output) for job in jobs]
         sys.exit(0 if all(results) else 1)
     for job in jobs:
@@ -74,24 +96,23 @@ def command(
 def _jobs(
     collection: Collection,
     scenes: tuple[str, ...],
-    wanted: tuple[int, int] | None,
+    size: tuple[int, int] | None,
     ssaa: int | None,
 ) -> Iterator[Job]:
-    """Yield what was named; without a size, what is stored of it, else 256x256."""
+    """Yield a job for each scene and size; without a size, for each size that is stored."""
     known = [
-        entry
+        info
         for folder in collection.folders
-        for entry in stored.read_manifest(folder / references.FOLDER).values()
+        for info in storage.read_manifest(folder / storage.FOLDER).values()
     ]
-    labels = collection.expand_scenes(scenes) or list(dict.fromkeys(e["scene"] for e in known))
+    labels = collection.expand_scenes(scenes) or list(dict.fromkeys(info.scene for info in known))
     if not labels:
         raise UsageError("no reference is stored yet; name a scene to render")
     for label in labels:
-        entries = [entry for entry in known if entry["scene"] == label]
-        sizes = [(entry["size"][0], entry["size"][1]) for entry in entries]
-        for pixels in [wanted] if wanted else sizes or [(256, 256)]:
-            same = [entry["ssaa"] for entry in entries if tuple(entry["size"]) == pixels]
-            yield Job(label, pixels, ssaa or (same[0] if same else 2))
+        stored = [info for info in known if info.scene == label]
+        for pixels in [size] if size else [info.size for info in stored] or [_SIZE]:
+            same = [info.ssaa for info in stored if info.size == pixels]
+            yield Job(label, pixels, ssaa or (same[0] if same else _SSAA))
 
 
 def _render(
@@ -104,46 +125,47 @@ def _render(
 ) -> None:
     scene = collection.build_scene(job.scene)
     try:
-        reference = references.render_reference(scene, job.scene, job.size, job.ssaa, spp, seed)
+        reference = render_reference(scene, job.scene, job.size, job.ssaa, spp, seed)
     except CapabilityError as error:
         console.print(f"skipped  {error}", style="yellow", markup=False)
         return
-    folder = output or _home(collection, job.scene) / references.FOLDER
-    stored.save(folder, reference)
-    console.print(f"rendered {folder / reference.key}  {_floor(reference)}", markup=False)
+    folder = output or _reference_folder(collection, job.scene)
+    storage.save(folder, reference)
+    info = reference.info
+    console.print(f"rendered {folder / info.key}  {_noise_floor(info)}", markup=False)
 
 
 def _check(
     console: Console, collection: Collection, job: Job, spp: int | None, output: Path | None
 ) -> bool:
     scene = collection.build_scene(job.scene)
-    reference = references.load_reference(scene, job.scene, job.size, job.ssaa, collection.folders)
+    reference = lookup.find(scene, job.scene, job.size, job.ssaa, collection.folders)
+    key = storage.reference_key(job.scene, job.size)
     if reference is None:
-        key = stored.entry_key(job.scene, job.size)
         raise UsageError(f"{key}: no such reference is stored; run without --check to render it")
     if reference.stale:
         console.print(f"stale    {reference.message}", style="red", markup=False)
         return False
     failures = output or Path("results") / "reference_check"
-    result = references.check(scene, reference, spp or _CHECK_SPP, _CHECK_SEED, failures)
-    told = f"{reference.key}  {100 * result.fraction:.2f} % of the pixels pass"
+    result = check(scene, reference, failures, spp or CHECK_SPP)
+    text = f"{key}  {100 * result.fraction:.2f} % of the pixels pass"
     if result.passed:
-        console.print(f"passed   {told}", markup=False)
+        console.print(f"passed   {text}", markup=False)
     else:
-        told += f"; images are in {failures / reference.key}"
-        console.print(f"failed   {told}", style="red", markup=False)
+        console.print(
+            f"failed   {text}; see the images in {failures / key}", style="red", markup=False
+        )
     return result.passed
 
 
-def _home(collection: Collection, label: str) -> Path:
-    """Return the last collection folder that has the scene's file, as the registry does."""
-    name = label.partition("[")[0]
-    owners = [f for f in collection.folders if (f / "scenes" / f"{name}.py").is_file()]
-    return owners[-1] if owners else own_folder()
+def _reference_folder(collection: Collection, label: str) -> Path:
+    """Return where the collection that has the scene's file keeps its references."""
+    path = collection.scenes.path(label.partition("[")[0])
+    return path.parent.parent / storage.FOLDER
 
 
-def _floor(reference: Reference) -> str:
+def _noise_floor(info: ReferenceInfo) -> str:
     floors = (
-        f"{name} {value:.5f}" for name, value in reference.noise_floor.items() if value is not None
+        f"{name} {value:.5f}" for name, value in info.noise_floor.items() if value is not None
     )
     return "noise floor " + ", ".join(floors)

@@ -1,38 +1,44 @@
-"""Images are [h, w, 3] float32, linear Rec.709 radiance, top row first; files, encoding, size."""
+"""Image files, the display encoding and the box filter.
+
+An image is an array of shape (h, w, 3), float32: linear Rec.709 radiance, top row first.
+"""
 
 from __future__ import annotations
 
-import os
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
+from oitbench.atomic import replacing
 from oitbench.errors import UsageError
 
 Image = npt.NDArray[np.float32]
 
 _LARGEST_HALF = float(np.finfo(np.float16).max)
 _NONFINITE_COLOR = (1.0, 0.0, 1.0)
+_MAP_CHANNELS = ("ldr", "hdr")
 
 
 def check(image: npt.ArrayLike, owner: str = "image") -> Image:
-    """Return `image` as it is if it is an image of this suite, else raise.
+    """Return `image` as float32 if it has the shape and the type of an image.
 
     Parameters
     ----------
     image : array
-        Must be [h, w, 3] of a floating-point type; integers, RGBA and grey are refused, because
-        they would be scored in silence as something they are not.
+        Must be (h, w, 3) of a floating-point type. Integers, RGBA and grey are refused, because a
+        metric would silently take them for something else.
     owner : str
-        What the message calls the image.
+        Name of the image in error messages.
 
     Raises
     ------
     TypeError
-        For a type that is not floating point.
+        If the type is not floating point.
     ValueError
-        For any other shape, or an empty image.
+        If the shape is different, or the image is empty.
     """
     array = np.asarray(image)
     if array.dtype.kind != "f":
@@ -42,75 +48,135 @@ def check(image: npt.ArrayLike, owner: str = "image") -> Image:
     return array.astype(np.float32, copy=False)
 
 
+def fits_half(values: npt.ArrayLike) -> bool:
+    """Return whether half floats can represent all finite values without overflow."""
+    array = np.asarray(values)
+    finite = np.abs(array[np.isfinite(array)])
+    return not finite.size or bool(finite.max() <= _LARGEST_HALF)
+
+
 def read_exr(path: Path | str) -> Image:
     """Read the RGB channels of an OpenEXR file.
 
     Returns
     -------
     array, shape (h, w, 3), float32
-        Linear values as stored; half floats are widened and an alpha channel is left out.
+        Linear values as stored. Half floats are widened, and an alpha channel is dropped.
 
     Raises
     ------
     UsageError
         If the file is missing, damaged, or has no RGB channels.
     """
-    import OpenEXR
-
-    path = Path(path)
-    if not path.is_file():
-        raise UsageError(f"{path}: there is no such image")
-    try:
-        with OpenEXR.File(str(path)) as file:
-            channels = {name: channel.pixels for name, channel in file.channels().items()}
-    except (RuntimeError, ValueError) as error:
-        raise UsageError(f"{path} is not a readable OpenEXR image; render it again") from error
+    channels = _read_channels(Path(path))
     pixels = channels.get("RGB", channels.get("RGBA"))
     if pixels is None:
-        raise UsageError(f"{path} has channels {', '.join(channels)}; RGB is needed")
+        raise UsageError(
+            f"{path} has the channels {', '.join(channels)}, but RGB is needed; render it again"
+        )
     return np.ascontiguousarray(pixels[..., :3], dtype=np.float32)
 
 
 def write_exr(path: Path | str, image: npt.ArrayLike, *, half: bool = False) -> None:
-    """Write `image` to a ZIP-compressed OpenEXR file; a file of that name is replaced at once.
+    """Write an image to a ZIP-compressed OpenEXR file; an existing file is replaced atomically.
 
     Parameters
     ----------
     path : path
-        Folders on the way are made.
+        Missing folders are created.
     image : array, shape (h, w, 3)
         Linear values; NaN and infinity are kept.
     half : bool
-        Store 16 instead of 32 bits per channel.
+        Store 16 instead of 32 bits for each channel.
 
     Raises
     ------
     UsageError
-        If the place cannot be written to.
+        If the file cannot be written.
     ValueError
-        If `half` cannot hold a finite value.
+        If a finite value does not fit a half float and `half` is set.
     """
+    pixels = check(image)
+    if half and not fits_half(pixels):
+        largest = np.abs(pixels[np.isfinite(pixels)]).max()
+        raise ValueError(f"{path}: {largest:g} does not fit a half float; write float32")
+    _write_channels(Path(path), {"RGB": pixels.astype(np.float16) if half else pixels})
+
+
+def read_flip_maps(path: Path | str) -> tuple[Image, Image]:
+    """Read the two FLIP maps that `write_flip_maps` wrote.
+
+    Returns
+    -------
+    ldr, hdr : array, shape (h, w), float32
+        FLIP errors of the displayed image and of HDR-FLIP, in [0, 1].
+
+    Raises
+    ------
+    UsageError
+        If the file is missing, damaged, or lacks a map.
+    """
+    channels = _read_channels(Path(path))
+    missing = [name for name in _MAP_CHANNELS if name not in channels]
+    if missing:
+        raise UsageError(
+            f"{path} has no channel {' and '.join(missing)}, so it holds no FLIP maps; "
+            "render it again"
+        )
+    ldr, hdr = (np.ascontiguousarray(channels[name], np.float32) for name in _MAP_CHANNELS)
+    return ldr, hdr
+
+
+def write_flip_maps(path: Path | str, ldr: npt.ArrayLike, hdr: npt.ArrayLike) -> None:
+    """Write two FLIP maps as the half-float channels `ldr` and `hdr` of one OpenEXR file.
+
+    An existing file is replaced atomically.
+
+    Parameters
+    ----------
+    path : path
+        Missing folders are created.
+    ldr, hdr : array, shape (h, w)
+        FLIP errors of the displayed image and of HDR-FLIP, in [0, 1].
+
+    Raises
+    ------
+    UsageError
+        If the file cannot be written.
+    ValueError
+        If the maps are not two arrays of one size.
+    """
+    maps = [np.asarray(errors) for errors in (ldr, hdr)]
+    if maps[0].ndim != 2 or maps[0].shape != maps[1].shape or not maps[0].size:
+        raise ValueError(f"FLIP maps are {maps[0].shape} and {maps[1].shape}; both must be (h, w)")
+    halves = [errors.astype(np.float16) for errors in maps]
+    _write_channels(Path(path), dict(zip(_MAP_CHANNELS, halves, strict=True)))
+
+
+def _read_channels(path: Path) -> dict[str, npt.NDArray[Any]]:
+    """Return all channels of an OpenEXR file; R, G and B are one entry."""
     import OpenEXR
 
-    pixels = check(image)
-    if half:
-        finite = np.abs(pixels[np.isfinite(pixels)])
-        if finite.size and finite.max() > _LARGEST_HALF:
-            raise ValueError(f"{path}: {finite.max():g} does not fit a half float; write float32")
-        stored: npt.NDArray[np.float16] | Image = pixels.astype(np.float16)
-    else:
-        stored = pixels
-    # The binding mutates the header, and silently misreads arrays that are not C-contiguous.
-    header = {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage}
-    file = OpenEXR.File(header, {"RGB": np.ascontiguousarray(stored)})
-    path = Path(path)
-    partial = path.with_name(f".{path.stem}.{os.getpid()}.partial.exr")
+    if not path.is_file():
+        raise UsageError(f"{path}: there is no such image; render it again")
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        file.write(str(partial))
-        os.replace(partial, path)
-    except (OSError, RuntimeError) as error:
-        raise UsageError(f"{path} cannot be written; choose another folder") from error
+        with OpenEXR.File(str(path)) as file:
+            return {name: channel.pixels for name, channel in file.channels().items()}
+    except (RuntimeError, ValueError) as error:
+        raise UsageError(f"{path} is not a readable OpenEXR image; render it again") from error
+
+
+def _write_channels(path: Path, channels: Mapping[str, npt.NDArray[Any]]) -> None:
+    import OpenEXR
+
+    # The binding modifies the header, and silently misreads arrays that are not C-contiguous.
+    header = {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage}
+    file = OpenEXR.File(header, {k: np.ascontiguousarray(v) for k, v in channels.items()})
+    with replacing(path) as partial:
+        try:
+            file.write(str(partial))
+        except RuntimeError as error:
+            raise OSError(str(error)) from error
 
 
 def to_srgb(linear: npt.ArrayLike, exposure: float) -> Image:
@@ -126,11 +192,11 @@ def to_srgb(linear: npt.ArrayLike, exposure: float) -> Image:
     Returns
     -------
     array of the same shape, float32 in [0, 1]
-        NaN stays NaN; infinities are clipped.
+        NaN stays NaN, and infinities are clipped.
 
-    Notes
-    -----
-    The transfer function is that of IEC 61966-2-1.
+    References
+    ----------
+    IEC 61966-2-1.
     """
     with np.errstate(over="ignore", invalid="ignore"):
         scaled = np.asarray(linear, dtype=np.float64) * 2.0**exposure
@@ -142,19 +208,25 @@ def to_srgb(linear: npt.ArrayLike, exposure: float) -> Image:
 
 
 def mark_nonfinite(srgb: npt.ArrayLike) -> Image:
-    """Return a copy of `srgb` whose pixels that are not finite are magenta."""
+    """Return a copy of `srgb` in which pixels that are not finite are magenta."""
     pixels = np.array(check(srgb), copy=True)
     pixels[~np.isfinite(pixels).all(axis=-1)] = _NONFINITE_COLOR
     return pixels
 
 
 def write_png(path: Path | str, srgb: npt.ArrayLike) -> None:
-    """Write display values in [0, 1] as an 8-bit PNG; pixels that are not finite become magenta.
+    """Write display values in [0, 1] as an 8-bit PNG; pixels that are not finite are magenta.
+
+    Parameters
+    ----------
+    path : path
+        Missing folders are created.
+    srgb : array, shape (h, w, 3)
 
     Raises
     ------
     UsageError
-        If the place cannot be written to.
+        If the file cannot be written.
     """
     from PIL import Image as Picture
 
@@ -168,7 +240,7 @@ def write_png(path: Path | str, srgb: npt.ArrayLike) -> None:
 
 
 def box_downsample(image: npt.ArrayLike, factor: int) -> Image:
-    """Average `image` over blocks of factor × factor pixels, as a box filter does.
+    """Average `image` over blocks of factor × factor pixels: a box filter.
 
     Parameters
     ----------
@@ -184,7 +256,7 @@ def box_downsample(image: npt.ArrayLike, factor: int) -> Image:
     Raises
     ------
     ValueError
-        If a side is no multiple of `factor`.
+        If a side is not a multiple of `factor`.
     """
     pixels = check(image)
     height, width, channels = pixels.shape

@@ -33,6 +33,7 @@ from oitbench.results.schema import (
     Status,
     Time,
     Traffic,
+    flip_image,
 )
 from oitbench.results.store import image_path
 from oitbench.scene import Scene
@@ -145,11 +146,10 @@ class Bench:
             spread = _order_spread(uploaded, method, cell, effects)
         images = {"color": image_path(cell.key, "color"), EXACT: _shared_image(cell, EXACT)}
         files.write_exr(self.folder / images["color"], image)
-        with self.watch.running("metrics"):
-            exact = metrics.compare(stage.exact, image, scene.exposure)
-            exact[metrics.TRANSMITTANCE] = metrics.rmse_transmittance(
-                stage.exact_transmittance, transmittance
-            )
+        exact = self._score(cell, EXACT, stage.exact, image, scene.exposure, images)
+        exact[metrics.TRANSMITTANCE] = metrics.rmse_transmittance(
+            stage.exact_transmittance, transmittance
+        )
         scores = {EXACT: Scores(exact | spread), PATH_TRACED: Scores(reason=_LEFT_OUT)}
         if path_traced:
             scores[PATH_TRACED] = self._score_path_traced(cell, scene, image, images)
@@ -193,24 +193,42 @@ class Bench:
         self._stage = _Stage(cell.scene, cell.size, cell.ssaa, uploaded, exact, transmittance)
         return self._stage
 
+    def _score(
+        self,
+        cell: Cell,
+        truth: str,
+        reference: Image,
+        image: Image,
+        exposure: float,
+        images: dict[str, str],
+    ) -> dict[str, float | None]:
+        """Return all metrics against a truth, and add the maps of FLIP to `images`."""
+        with self.watch.running("metrics"):
+            evaluation = metrics.compare(reference, image, exposure)
+            if evaluation.maps:
+                kind = flip_image(truth)
+                images[kind] = image_path(cell.key, kind)
+                maps = (evaluation.maps[metrics.FLIP_LDR], evaluation.maps[metrics.FLIP_HDR])
+                files.write_flip_maps(self.folder / images[kind], *maps)
+        return evaluation.values
+
     def _score_path_traced(
         self, cell: Cell, scene: Scene, image: Image, images: dict[str, str]
     ) -> Scores:
         """Score the image against path tracing, and add the path-traced picture to `images`."""
-        from oitbench.path_traced.references.obtain import obtain_reference
+        from oitbench.path_traced.references.lookup import find_or_render
 
         try:
             with self.watch.running("references"):
-                reference = obtain_reference(
+                reference = find_or_render(
                     scene, cell.scene, cell.size, cell.ssaa, self.collection.folders
                 )
         except CapabilityError as error:
             return Scores(reason=str(error))
         images[PATH_TRACED] = _shared_image(cell, PATH_TRACED)
         files.write_exr(self.folder / images[PATH_TRACED], reference.mean)
-        with self.watch.running("metrics"):
-            values = metrics.compare(reference.mean, image, scene.exposure)
-        return Scores(values, dict(reference.noise_floor), message=reference.message)
+        values = self._score(cell, PATH_TRACED, reference.mean, image, scene.exposure, images)
+        return Scores(values, reference.info.noise_floor, message=reference.message)
 
     def time(self, cells: Sequence[Cell], rounds: int, budget: float) -> list[Time]:
         """Time the cells of one scene against each other; return their times in order."""

@@ -1,7 +1,7 @@
-"""Finding an LLVM library that drjit works with, and loading Mitsuba with the fastest variant.
+"""The LLVM library that drjit uses, and the fastest variant of Mitsuba that it allows.
 
-drjit 1.5 ends the whole process with LLVM 15 or 16, which is what Mesa itself often brings, so the
-library is found and its version checked before Mitsuba may choose one.
+drjit 1.5 ends the whole process with LLVM 15 or 16, and these are the versions that Mesa often
+installs. This module therefore selects a library of a suitable version before Mitsuba is imported.
 """
 
 from __future__ import annotations
@@ -24,7 +24,8 @@ USABLE_VERSIONS = range(17, 23)
 PATH_VARIABLE = "DRJIT_LIBLLVM_PATH"
 FAST_VARIANT = "llvm_ad_rgb"
 SLOW_VARIANT = "scalar_rgb"
-MEND = "apt install libllvm19"
+INSTALL = "apt install libllvm19"
+"""The command that installs a suitable library."""
 
 _MAJOR = re.compile(r"libLLVM(?:[-.](?P<before>\d+)|\.(?:so|dylib)\.(?P<after>\d+))")
 
@@ -37,7 +38,7 @@ class Library:
     ----------
     path : str
     version : int or None
-        Major version; None if it cannot be told.
+        Major version; None if it is unknown.
     """
 
     path: str
@@ -45,23 +46,25 @@ class Library:
 
     @property
     def usable(self) -> bool:
-        """Whether drjit works with it."""
+        """Whether drjit works with this version."""
         return self.version in USABLE_VERSIONS
 
 
 @dataclass(frozen=True)
 class Backend:
-    """What the path tracer runs on, and why.
+    """The variant of Mitsuba that the path tracer uses, and the reason for it.
 
     Parameters
     ----------
     mitsuba : str or None
-        Version; None if it is not installed.
+        Version; None if Mitsuba is not installed.
     variant : str or None
+        None if Mitsuba is not installed.
     llvm_path : str or None
     llvm_version : int or None
+        None if the variant does not use LLVM.
     reason : str
-        One line; with the mend if something better could be had.
+        One line, with the fix if a faster variant could be installed.
     """
 
     mitsuba: str | None
@@ -72,15 +75,15 @@ class Backend:
 
 
 def describe() -> dict[str, str | int | None]:
-    """Return what `oitbench doctor` prints: {mitsuba, variant, llvm_path, llvm_version, reason}."""
+    """Return the fields of `backend()` by name, for `oitbench doctor`."""
     return asdict(backend())
 
 
 @functools.cache
 def backend() -> Backend:
-    """Choose a variant of Mitsuba, once per process; never raises.
+    """Choose a variant of Mitsuba, once per process, and set it; never raises.
 
-    Sets `DRJIT_LIBLLVM_PATH` to the library that was chosen.
+    The environment variable `DRJIT_LIBLLVM_PATH` is set to the library that was chosen.
     """
     library, reason = choose(os.environ, _installed())
     if library is not None:
@@ -88,26 +91,26 @@ def backend() -> Backend:
     try:
         mitsuba = importlib.import_module("mitsuba")
     except ImportError as error:
-        mend = "apt install libatomic1" if "libatomic" in str(error) else "pip install mitsuba"
-        return Backend(None, None, None, None, f"Mitsuba cannot be imported ({error}); {mend}")
+        fix = "apt install libatomic1" if "libatomic" in str(error) else "pip install mitsuba"
+        return Backend(None, None, None, None, f"Mitsuba cannot be imported ({error}); {fix}")
     version = str(mitsuba.__version__)
     if library is not None:
         try:
             mitsuba.set_variant(FAST_VARIANT)
             return Backend(version, FAST_VARIANT, library.path, library.version, reason)
         except ImportError as error:
-            reason = f"{library.path} does not load ({error}); {MEND}"
+            reason = f"{library.path} cannot be loaded ({error}); {INSTALL}"
     mitsuba.set_variant(SLOW_VARIANT)
     return Backend(version, SLOW_VARIANT, None, None, f"{reason}; the slow {SLOW_VARIANT} is used")
 
 
 def load(variant: str | None = None) -> ModuleType:
-    """Return the `mitsuba` module with a variant set.
+    """Return the module `mitsuba` with a variant set.
 
     Parameters
     ----------
     variant : str, optional
-        The one that `backend` chose without.
+        Default: the variant that `backend` chose.
 
     Raises
     ------
@@ -125,18 +128,19 @@ def load(variant: str | None = None) -> ModuleType:
 def choose(
     environment: Mapping[str, str], installed: Iterable[Library]
 ) -> tuple[Library | None, str]:
-    """Pick the library to use: the user's own if it works, else the newest that does.
+    """Choose an LLVM library: the user's own if it is usable, else the newest usable one.
 
     Parameters
     ----------
     environment : mapping
-        Where the user may have set `DRJIT_LIBLLVM_PATH`.
+        Environment variables; the user may have set `DRJIT_LIBLLVM_PATH`.
     installed : iterable of Library
-        What was found on this machine.
+        The libraries of this machine.
 
     Returns
     -------
     library : Library or None
+        None if no library is usable.
     reason : str
         One line.
     """
@@ -146,7 +150,7 @@ def choose(
         library = inspect(Path(own))
         if library is not None and library.usable:
             return library, f"{PATH_VARIABLE} names LLVM {library.version}"
-        refused = f"{PATH_VARIABLE}={own} is {_told(library)}; "
+        refused = f"{PATH_VARIABLE}={own} is {_description(library)}; "
     wanted = f"{USABLE_VERSIONS[0]} to {USABLE_VERSIONS[-1]}"
     candidates = list(installed)
     usable = [library for library in candidates if library.usable]
@@ -155,7 +159,7 @@ def choose(
         return best, f"{refused}found LLVM {best.version}"
     versions = sorted({library.version for library in candidates if library.version})
     others = f" (found {', '.join(map(str, versions))})" if versions else ""
-    return None, f"{refused}no LLVM {wanted} is installed{others}; {MEND}"
+    return None, f"{refused}no LLVM {wanted} is installed{others}; {INSTALL}"
 
 
 def inspect(path: Path) -> Library | None:
@@ -166,28 +170,28 @@ def inspect(path: Path) -> Library | None:
         match = _MAJOR.match(name)
         if match is not None:
             return Library(str(path), int(match["before"] or match["after"]))
-    return Library(str(path), _asked_version(path))
+    return Library(str(path), _query_version(path))
 
 
-def _asked_version(path: Path) -> int | None:
-    """Ask the library itself; only LLVM 16 and later can answer."""
+def _query_version(path: Path) -> int | None:
+    """Return the version that the library itself reports; LLVM before 16 reports none."""
     try:
-        ask = ctypes.CDLL(str(path)).LLVMGetVersion
+        get_version = ctypes.CDLL(str(path)).LLVMGetVersion
     except (OSError, AttributeError):
         return None
     major = ctypes.c_uint(0)
-    ask(ctypes.byref(major), None, None)
+    get_version(ctypes.byref(major), None, None)
     return major.value
 
 
-def _told(library: Library | None) -> str:
+def _description(library: Library | None) -> str:
     if library is None:
         return "no file"
     return "of unknown version" if library.version is None else f"LLVM {library.version}"
 
 
 def _installed() -> Iterator[Library]:
-    """Yield the LLVM libraries that the loader knows or that lie in the usual folders."""
+    """Yield the LLVM libraries of the loader's cache and of the usual folders."""
     seen: set[Path] = set()
     for path in _candidates():
         real = path.resolve()

@@ -183,7 +183,7 @@ def _left_out(record: Record) -> list[str]:
 
 
 def _counterpart(record: Record) -> CellKey | None:
-    """Return the cell with all effects, from which this one leaves some out; None if it does not."""
+    """Return the cell with all effects that this one leaves some out of, or None."""
     return msgspec.structs.replace(record.key, effects=REQUESTED) if _left_out(record) else None
 
 

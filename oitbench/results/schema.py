@@ -7,7 +7,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any, Final, Literal
@@ -281,12 +280,9 @@ class RunFacts(_Typed, frozen=True):
         return self.gl.renderer if self.gl else ""
 
 
-def finite(values: Mapping[str, float | None]) -> dict[str, float | None]:
-    """Return `values` with None for every float that is not finite."""
-    return {
-        name: value if value is not None and math.isfinite(value) else None
-        for name, value in values.items()
-    }
+def flip_image(truth: str) -> str:
+    """Return the key of `Outcome.images` for the maps of FLIP against a truth."""
+    return f"flip_{truth}"
 
 
 def json_schema() -> dict[str, Any]:

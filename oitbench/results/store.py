@@ -15,6 +15,7 @@ from typing import TypeVar
 
 import msgspec
 
+from oitbench.atomic import replacing
 from oitbench.errors import UsageError
 from oitbench.results.schema import VERSION, CellKey, Record, RunFacts
 
@@ -200,14 +201,10 @@ def _ends_with_newline(descriptor: int) -> bool:
 
 
 def _replace(path: Path, content: bytes) -> None:
-    """Write `path` so that a reader sees the old content or the new one, never a part."""
-    partial = path.with_name(f".{path.name}.{os.getpid()}.partial")
-    with _writing(path):
-        with partial.open("wb") as file:
-            file.write(content)
-            file.flush()
-            os.fsync(file.fileno())
-        os.replace(partial, path)
+    with replacing(path) as partial, partial.open("wb") as file:
+        file.write(content)
+        file.flush()
+        os.fsync(file.fileno())
 
 
 @contextmanager

@@ -6,10 +6,10 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from oitbench.method.steps import passes_of
-from oitbench.method.storage import Target
 from oitbench.method.declaration import Method, Plan, Request
 from oitbench.method.passes import Gather, Loop, Pass
+from oitbench.method.steps import passes_of
+from oitbench.method.storage import Target
 
 _SINGLE = 2.0**-23
 _OPERATIONS = 8

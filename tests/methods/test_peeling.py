@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from oitbench.gl.draws.steps import PassRecord
 
 from oitbench.gl.device import Device
-from oitbench.gl.draws.steps import PassRecord
 from oitbench.gl.frame import Frame
 from oitbench.measure import accounting
 from oitbench.measure.oracle import composite

@@ -1,37 +1,25 @@
-"""The path-traced truth against closed forms; nothing here may be noisy."""
+"""Path-traced films against closed forms; none of these images may be noisy."""
 
 from __future__ import annotations
 
 import dataclasses
-import importlib.util
 import math
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 import pytest
 
-from oitbench.errors import CapabilityError, SceneError, UsageError
 from oitbench.path_traced import llvm
-from oitbench.path_traced.export.scene import export, require_traceable
+from oitbench.path_traced.export.scene import export
 from oitbench.path_traced.export.view import View
-from oitbench.path_traced.trace.render import _Statistics, render
-from oitbench.scene import (
-    RGB,
-    Camera,
-    FragmentLists,
-    Material,
-    Mesh,
-    Object,
-    Scene,
-    Texture,
-)
+from oitbench.path_traced.trace.integrators import trace
+from oitbench.path_traced.trace.render import render
+from oitbench.scene import RGB, Camera, Material, Mesh, Object, Scene, Texture
 from oitbench.scene.texturing import level_of_detail, lookup, premultiplied_pyramid
+from tests.path_traced.agreement import needs_mitsuba
 
-needs_mitsuba = pytest.mark.skipif(
-    importlib.util.find_spec("mitsuba") is None, reason="Mitsuba is not installed"
-)
+pytestmark = needs_mitsuba
 FRONT = Camera((0.0, 0.0, 4.0))
 BACKGROUND: RGB = (0.2, 0.5, 0.9)
 
@@ -65,7 +53,7 @@ def _rgb(values: npt.ArrayLike) -> RGB:
 
 
 def _stack(materials: list[Material], camera: Camera = FRONT) -> Scene:
-    """Stack the films at z = 1, 0.9, …; they are submitted back to front."""
+    """Return films at z = 1, 0.9, …, which are submitted back to front."""
     films = [
         Object(f"film {i}", _quad(1 - 0.1 * i), material) for i, material in enumerate(materials)
     ]
@@ -73,7 +61,7 @@ def _stack(materials: list[Material], camera: Camera = FRONT) -> Scene:
 
 
 def _composite(materials: list[Material], background: RGB = BACKGROUND) -> npt.NDArray[np.float64]:
-    """Σ α L Π τ + C0 Π τ, the nearest film first."""
+    """Return Σ α L Π τ + C₀ Π τ; the first film is the nearest."""
     color, through = np.zeros(3), np.ones(3)
     for material in materials:
         assert isinstance(material.coverage, float)
@@ -82,7 +70,6 @@ def _composite(materials: list[Material], background: RGB = BACKGROUND) -> npt.N
     return color + through * background
 
 
-@needs_mitsuba
 def test_a_stack_of_colored_films_is_composited_without_noise() -> None:
     materials = _materials(12)
     estimate = render(_stack(materials), (8, 6))
@@ -92,19 +79,39 @@ def test_a_stack_of_colored_films_is_composited_without_noise() -> None:
     np.testing.assert_array_equal(*estimate.halves)
 
 
-@needs_mitsuba
 @pytest.mark.parametrize("variant", [None, llvm.SLOW_VARIANT])
 def test_volpath_agrees_where_films_are_far_apart(variant: str | None) -> None:
     scene = _stack(_materials(6))
     own = render(scene, (3, 2), ssaa=1, variant=variant)
-    estimate = render(scene, (3, 2), ssaa=1, spp=3, variant=variant, volpath=True)
-    np.testing.assert_allclose(own.mean, estimate.mean, atol=1e-6)
-    assert (estimate.spp, own.spp) == (3, 1)
-    assert estimate.variance.max() < 1e-12
+    assert own.spp == 1
+    mitsuba, view = llvm.load(variant), View(scene.camera, 3, 2)
+    content = export(scene, view, mitsuba).content
+    samples = [
+        trace(mitsuba, _volpath(mitsuba), content, view.rays(0, 6), seed).reshape(2, 3, 3)
+        for seed in range(3)
+    ]
+    for sample in samples:
+        np.testing.assert_allclose(own.mean, sample, atol=1e-6)
+    assert np.var(samples, axis=0).max() < 1e-12
 
 
-@needs_mitsuba
-def test_layers_a_hair_apart_are_all_met_and_none_twice() -> None:
+def _volpath(mitsuba: Any) -> Any:
+    """Return Mitsuba's volumetric path tracer, of unlimited depth, as an integrator."""
+    # Films count as no bounce, so neither the depth nor Russian roulette limits their number.
+    volpath = mitsuba.load_dict({"type": "volpath", "max_depth": -1, "rr_depth": 1 << 20})
+    sampler = mitsuba.load_dict({"type": "independent"})
+
+    def integrate(content: Any, ray: Any, seed: int) -> Any:
+        if mitsuba.variant().startswith("scalar"):
+            sampler.seed(seed)
+        else:
+            sampler.seed(seed, ray.o.shape[1])
+        return volpath.sample(content, sampler, mitsuba.RayDifferential3f(ray))[0]
+
+    return integrate
+
+
+def test_layers_a_hair_apart_are_all_hit_and_none_twice() -> None:
     gap, count = 2e-6, 40
     film = Material(coverage=0.02, emission=(1.0, 1.0, 1.0), transmission=(0.0, 1.0, 1.0))
     films = tuple(Object(str(i), _quad(-gap * i, tilt=1.0), film) for i in range(count))
@@ -114,12 +121,11 @@ def test_layers_a_hair_apart_are_all_met_and_none_twice() -> None:
     np.testing.assert_allclose(image, np.broadcast_to(expected, (8, 8, 3)), atol=1e-4)
 
 
-@needs_mitsuba
 @pytest.mark.parametrize("variant", [None, llvm.SLOW_VARIANT])
-def test_films_closer_than_a_step_are_both_met(variant: str | None) -> None:
+def test_films_closer_than_a_step_are_both_hit(variant: str | None) -> None:
     film = Material(coverage=0.5, emission=(1.0, 1.0, 1.0))
     films = tuple(Object(str(i), _quad(0.3 + 1e-6 * i, tilt=0.7), film) for i in range(2))
-    # From where no ray meets the diagonal that the triangles of a quad share.
+    # From here, no ray hits the diagonal that the triangles of a quad share.
     camera = Camera((0.03, 0.0, 4.0), target=(0.03, 0.0, 0.0))
     scene = Scene("twins", camera, films, background=(0.0, 0.0, 10.0))
     image = render(scene, (8, 8), ssaa=1, variant=variant).mean
@@ -127,28 +133,6 @@ def test_films_closer_than_a_step_are_both_met(variant: str | None) -> None:
     np.testing.assert_allclose(image, expected, atol=1e-5)
 
 
-def test_triangles_that_coincide_exactly_are_refused() -> None:
-    first = _quad()
-    turned = dataclasses.replace(first, triangles=np.array([(2, 0, 1)], dtype=np.uint32))
-    objects = tuple(Object(n, m, Material(0.5)) for n, m in (("a", first), ("b", turned)))
-    scene = Scene("same", FRONT, objects)
-    with pytest.raises(CapabilityError, match="2 triangles coincide, as in a and b"):
-        export(scene, View(FRONT, 4, 4))
-
-
-def test_statistics_are_those_of_numpy() -> None:
-    samples = np.random.default_rng(2).random((5, 2, 3, 3)).astype(np.float32)
-    statistics = _Statistics()
-    for sample in samples:
-        statistics.add(sample)
-    estimate = statistics.estimate(5)
-    np.testing.assert_allclose(estimate.mean, samples.mean(axis=0), rtol=1e-6)
-    np.testing.assert_allclose(estimate.variance, samples.var(axis=0, ddof=1) / 5, rtol=1e-5)
-    np.testing.assert_allclose(estimate.halves[0], samples[::2].mean(axis=0), rtol=1e-6)
-    np.testing.assert_allclose(estimate.halves[1], samples[1::2].mean(axis=0), rtol=1e-6)
-
-
-@needs_mitsuba
 def test_films_look_the_same_from_behind_in_reverse_order() -> None:
     materials = _materials(5)
     behind = _stack(materials, Camera((0.0, 0.0, -4.0)))
@@ -156,7 +140,6 @@ def test_films_look_the_same_from_behind_in_reverse_order() -> None:
     np.testing.assert_allclose(render(behind, (4, 4)).mean, expected, atol=1e-5)
 
 
-@needs_mitsuba
 def test_a_clear_film_tints_the_background_and_an_opaque_one_hides_it() -> None:
     tint: RGB = (0.9, 0.5, 0.1)
     scene = _stack([Material(coverage=0.5, transmission=tint)])
@@ -168,7 +151,6 @@ def test_a_clear_film_tints_the_background_and_an_opaque_one_hides_it() -> None:
     assert (render(black, (2, 2)).mean == 0).all()
 
 
-@needs_mitsuba
 def test_a_hundred_films_are_not_cut_short() -> None:
     film = Material(coverage=0.01, emission=(1.0, 0.0, 0.0), transmission=(0.0, 1.0, 0.0))
     films = tuple(Object(str(i), _quad(1 - 0.02 * i), film) for i in range(100))
@@ -177,14 +159,6 @@ def test_a_hundred_films_are_not_cut_short() -> None:
     np.testing.assert_allclose(render(scene, (2, 2)).mean[0, 0], expected, atol=1e-5)
 
 
-@needs_mitsuba
-def test_the_slow_variant_gives_the_same_image() -> None:
-    materials = _materials(3)
-    estimate = render(_stack(materials), (2, 2), ssaa=1, variant=llvm.SLOW_VARIANT)
-    np.testing.assert_allclose(estimate.mean[1, 1], _composite(materials), atol=1e-5)
-
-
-@needs_mitsuba
 def test_radiance_at_the_vertices_is_interpolated() -> None:
     radiance = np.array([(1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 0)], dtype=np.float32)
     mesh = _quad(radiance=radiance)
@@ -202,8 +176,7 @@ def _hits(view: View, z: float) -> npt.NDArray[np.float64]:
     return origins + directions * ((z - origins[:, 2:]) / directions[:, 2:])
 
 
-@needs_mitsuba
-def test_rays_meet_the_pixels_that_a_rasterizer_would_cover() -> None:
+def test_rays_hit_the_pixels_that_a_rasterizer_would_cover() -> None:
     camera = Camera((0.0, 0.0, 2.0), fov_y=2 * math.atan(0.5))
     # On the plane z = 0 the image is 4 m wide and 2 m high: a pixel of 16 × 8 is 0.25 m.
     corner = np.array([(-2, 1, 0), (-1.5, 1, 0), (-1.5, 0.25, 0), (-2, 0.25, 0)], dtype=np.float32)
@@ -219,15 +192,13 @@ def test_rays_meet_the_pixels_that_a_rasterizer_would_cover() -> None:
     np.testing.assert_array_equal(row, [0.5, 1, 0.5, 0])
 
 
-@needs_mitsuba
-def test_films_before_the_near_and_beyond_the_far_plane_are_not_drawn() -> None:
+def test_films_in_front_of_the_near_and_beyond_the_far_plane_are_not_drawn() -> None:
     materials = _materials(3)
     camera = Camera((0.0, 0.0, 4.0), near=3.05, far=3.15)
     image = render(_stack(materials, camera), (4, 4)).mean
     np.testing.assert_allclose(image[0, 0], _composite(materials[1:2]), atol=1e-6)
 
 
-@needs_mitsuba
 @pytest.mark.parametrize("shape", [(64, 64), (2, 128)])
 def test_textures_are_filtered_by_the_shared_rule(shape: tuple[int, int]) -> None:
     random = np.random.default_rng(8)
@@ -254,7 +225,7 @@ def test_textures_are_filtered_by_the_shared_rule(shape: tuple[int, int]) -> Non
 def _footprints(
     view: View, tilt: float, shape: tuple[int, int], levels: int
 ) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
-    """Return uv and level of detail on the quad z = tilt · y, by finite differences."""
+    """Return uv and the level of detail on the quad z = tilt · y, by finite differences."""
     right, up, back = view.camera.axes
     index = np.arange(view.width * view.height)
     film = np.stack([index % view.width + 0.5, index // view.width + 0.5], axis=1)
@@ -271,66 +242,3 @@ def _footprints(
     dx = (uv((tiny, 0)) - uv((-tiny, 0))) / (2 * tiny) * texels
     dy = (uv((0, tiny)) - uv((0, -tiny))) / (2 * tiny) * texels
     return uv((0, 0)), level_of_detail(dx, dy, levels)
-
-
-def test_fragment_lists_have_no_path_traced_truth() -> None:
-    layer = np.ones((1, 2, 2), dtype=np.float32)
-    color = np.ones((1, 2, 2, 3), dtype=np.float32)
-    scene = Scene("lists", FRONT, lists=FragmentLists(layer, layer, color, color))
-    with pytest.raises(CapabilityError, match="no path-traced truth"):
-        require_traceable(scene)
-
-
-def test_bad_sizes_are_refused() -> None:
-    scene = _stack(_materials(1))
-    for size, ssaa, spp in (((0, 4), 1, 2), ((4, 4), 0, 2), ((4, 4), 1, 1)):
-        with pytest.raises(UsageError):
-            render(scene, size, ssaa, spp)
-
-
-@needs_mitsuba
-def test_radiance_that_is_not_finite_is_an_error() -> None:
-    blinding = Material(0.5, (1.0, 1.0, 1.0), (3e38, 3e38, 3e38))
-    films = tuple(Object(str(i), _quad(-0.1 * i), blinding) for i in range(6))
-    with pytest.raises(SceneError, match="not finite"):
-        render(Scene("blinding", FRONT, films), (2, 2))
-
-
-@pytest.mark.parametrize(
-    ("name", "version"),
-    [
-        ("libLLVM-15.so.1", 15),
-        ("libLLVM.so.19.1", 19),
-        ("libLLVM-17.so", 17),
-        ("libLLVM.so.18.1", 18),
-        ("libLLVM-20.1.8.so", 20),
-    ],
-)
-def test_the_version_of_llvm_is_read_from_its_name(tmp_path: Path, name: str, version: int) -> None:
-    (tmp_path / name).touch()
-    link = tmp_path / "libLLVM.so"
-    link.symlink_to(tmp_path / name)
-    for path in (tmp_path / name, link):
-        library = llvm.inspect(path)
-        assert library is not None
-        assert library.version == version
-
-
-def test_the_newest_usable_llvm_is_chosen_and_a_bad_wish_is_explained(tmp_path: Path) -> None:
-    installed = [llvm.Library(f"lib{v}", v) for v in (14, 15, 17, 19, 23)]
-    library, reason = llvm.choose({}, installed)
-    assert library == installed[3]
-    bad = tmp_path / "libLLVM-15.so"
-    bad.touch()
-    library, reason = llvm.choose({llvm.PATH_VARIABLE: str(bad)}, installed)
-    assert library == installed[3]
-    assert "is LLVM 15" in reason
-    good = tmp_path / "libLLVM-18.so"
-    good.touch()
-    library, reason = llvm.choose({llvm.PATH_VARIABLE: str(good)}, installed)
-    assert library is not None
-    assert library.path == str(good)
-    library, reason = llvm.choose({}, installed[:2])
-    assert library is None
-    assert "found 14, 15" in reason
-    assert llvm.MEND in reason

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import importlib.util
 import math
 from typing import Literal
 
@@ -11,12 +10,10 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from oitbench.errors import CapabilityError
 from oitbench.modeling.mesh import quad
-from oitbench.path_traced import llvm
 from oitbench.path_traced.export.view import View
-from oitbench.path_traced.trace.render import Estimate, render
-from oitbench.path_traced.trace.walk import is_random, is_straight
+from oitbench.path_traced.trace.path_tracer import is_random
+from oitbench.path_traced.trace.render import render
 from oitbench.scene import (
     PENUMBRA,
     RGB,
@@ -29,10 +26,9 @@ from oitbench.scene import (
     SpotLight,
     Texture,
 )
+from tests.path_traced.agreement import assert_mean, needs_mitsuba
 
-pytestmark = pytest.mark.skipif(
-    importlib.util.find_spec("mitsuba") is None, reason="Mitsuba is not installed"
-)
+pytestmark = needs_mitsuba
 Floats = npt.NDArray[np.float64]
 
 SIZE = (6, 5)
@@ -50,7 +46,7 @@ def _floor(material: Material, half: float = 50.0, height: float = 0.0) -> Objec
 
 
 def _points(camera: Camera = ABOVE) -> tuple[Floats, Floats]:
-    """Return where the rays meet the floor, and unit vectors from there to the eye."""
+    """Return the points where rays hit the floor, and unit vectors from there to the eye."""
     origins, directions = View(camera, *SIZE).rays(0, SIZE[0] * SIZE[1])
     return origins - directions * (origins[:, 1:2] / directions[:, 1:2]), -directions
 
@@ -68,14 +64,6 @@ def _image(scene: Scene) -> Floats:
     estimate = render(scene, SIZE, ssaa=1)
     assert estimate.variance.max() < 1e-12
     return estimate.mean.reshape(-1, 3).astype(np.float64)
-
-
-def _agrees(estimate: Estimate, expected: npt.ArrayLike) -> None:
-    """Compare the mean of all pixels within six of its standard errors."""
-    error = np.sqrt(estimate.variance.mean(axis=(0, 1)) / estimate.mean[..., 0].size)
-    deviation = np.abs(estimate.mean.mean(axis=(0, 1)) - expected)
-    assert (error < 0.02 * np.max(expected)).all()
-    assert (deviation < 6 * error + 1e-5).all(), (deviation, error)
 
 
 def test_a_lambert_plane_under_a_directional_light() -> None:
@@ -143,17 +131,17 @@ def test_opaque_shadows_are_hard_and_black() -> None:
     np.testing.assert_allclose(image, expected, atol=1e-5)
 
 
-def test_transmission_loses_what_is_reflected() -> None:
+def test_transmission_loses_the_reflected_light() -> None:
     wall = Object(
         "wall", quad((0, 0, -1), (9, 0, 0), (0, 9, 0)), Material(emission=(1.0, 2.0, 3.0))
     )
     pane = Object("pane", quad((0, 0, 0), (9, 0, 0), (0, 9, 0)), PANES[0])
     narrow = Camera((0.0, 0.0, 4.0), fov_y=0.01)
     estimate = render(Scene("pane", narrow, (wall, pane)), (48, 48))
-    _agrees(estimate, np.multiply(PANES[0].transmission, (1.0, 2.0, 3.0)) * 0.96)
+    assert_mean(estimate, np.multiply(PANES[0].transmission, (1.0, 2.0, 3.0)) * 0.96)
 
 
-def test_isotropic_particles_scatter_to_all_sides_alike() -> None:
+def test_isotropic_particles_scatter_equally_to_all_sides() -> None:
     dust = Material(0.4, albedo=PAPER, isotropic=True, index=1.5)
     scene = Scene("dust", ABOVE, (_floor(dust),), lights=(SUN,))
     expected = 0.4 * np.multiply(PAPER, SUN.irradiance) / (4 * math.pi)
@@ -162,7 +150,7 @@ def test_isotropic_particles_scatter_to_all_sides_alike() -> None:
         np.testing.assert_allclose(image, np.tile(expected, (30, 1)), rtol=1e-4)
 
 
-def test_one_layer_that_is_chosen_stands_for_all() -> None:
+def test_one_layer_that_is_selected_represents_all() -> None:
     films = tuple(
         _floor(Material(0.5, transmission=(0.2, 0.5, 0.9), albedo=(0.2 * i, 0.4, 0.5)), 50, 0.1 * i)
         for i in range(4)
@@ -173,11 +161,11 @@ def test_one_layer_that_is_chosen_stands_for_all() -> None:
     chosen = dataclasses.replace(
         scene, objects=tuple(dataclasses.replace(film, particles=True) for film in films)
     )
-    _agrees(render(chosen, (24, 24)), exact.mean.mean(axis=(0, 1)))
+    assert_mean(render(chosen, (24, 24)), exact.mean.mean(axis=(0, 1)))
 
 
 def _map() -> Texture:
-    """A map with red straight up, green to the right (+x), and blue straight ahead (−z)."""
+    """Return a map with red straight up, green to the right (+x) and blue straight ahead (−z)."""
     texels = np.full((16, 32, 3), 0.05, dtype=np.float32)
     texels[:3, :, 0] = 4.0
     texels[6:10, 22:26, 1] = 5.0
@@ -188,7 +176,7 @@ def _map() -> Texture:
 @pytest.mark.parametrize(
     ("target", "channel"), [((0.01, 5.0, 0.0), 0), ((5.0, 0.0, 0.0), 1), ((0.0, 0.0, -5.0), 2)]
 )
-def test_a_map_of_the_surroundings_is_seen_where_it_belongs(target: RGB, channel: int) -> None:
+def test_a_map_of_the_environment_is_seen_in_the_right_direction(target: RGB, channel: int) -> None:
     camera = Camera((0.0, 0.0, 0.0), target, fov_y=0.05)
     aside = _floor(Material(), 0.1, -3.0)
     scene = Scene("map", camera, (aside,), lights=(EnvironmentLight(_map()),))
@@ -199,7 +187,9 @@ def test_a_map_of_the_surroundings_is_seen_where_it_belongs(target: RGB, channel
 
 
 @pytest.mark.parametrize("normal", [(0, 1, 0), (1, 0, 0), (0, 0, -1)])
-def test_a_map_of_the_surroundings_lights_what_faces_it(normal: tuple[int, int, int]) -> None:
+def test_a_map_of_the_environment_lights_the_surface_that_faces_it(
+    normal: tuple[int, int, int],
+) -> None:
     texture = _map()
     n = np.asarray(normal, dtype=np.float64)
     right = np.roll(n, 1)
@@ -214,7 +204,7 @@ def test_a_map_of_the_surroundings_lights_what_faces_it(normal: tuple[int, int, 
     solid = np.sin(up) * (math.pi / 160) * (2 * math.pi / 320)
     fine = _bilinear(_bilinear(texture.texels, 0, "edge"), 1, "wrap")
     irradiance = (fine * (np.maximum(d @ n, 0) * solid)[..., None]).sum(axis=(0, 1))
-    _agrees(render(scene, (64, 64)), irradiance / math.pi)
+    assert_mean(render(scene, (64, 64)), irradiance / math.pi)
 
 
 def _bilinear(values: npt.ArrayLike, axis: int, mode: Literal["edge", "wrap"]) -> Floats:
@@ -227,7 +217,7 @@ def _bilinear(values: npt.ArrayLike, axis: int, mode: Literal["edge", "wrap"]) -
     return np.moveaxis((1 - part) * padded[low] + part * padded[low + 1], 0, axis)
 
 
-def test_nothing_is_gained_or_lost_between_white_surroundings() -> None:
+def test_nothing_is_gained_or_lost_in_a_white_environment() -> None:
     around = EnvironmentLight((1.0, 1.0, 1.0))
     white = Material(albedo=(1.0, 1.0, 1.0), specular=0.0)
     scene = Scene("furnace", ABOVE, (_floor(white),), lights=(around,))
@@ -237,15 +227,15 @@ def test_nothing_is_gained_or_lost_between_white_surroundings() -> None:
     np.testing.assert_allclose(_image(glossy), 1, atol=1e-4)
 
 
-def test_surroundings_are_hidden_by_what_is_in_the_way() -> None:
+def test_the_environment_is_hidden_by_a_lid() -> None:
     lid = Object("lid", quad((0, 1, 0), (1, 0, 0), (0, 0, -1)), Material())
     camera = Camera((3.0, 0.5, 0.0), fov_y=0.002)
     objects = (_floor(Material(albedo=(1.0, 1.0, 1.0))), lid)
     lights = (EnvironmentLight((1.0, 1.0, 1.0)),)
     estimate = render(Scene("lid", camera, objects, lights=lights), (48, 48))
-    # Form factor of a square seen from a point below its center at a distance of half its side.
+    # The form factor of a square, for a point below its center at a distance of half its side.
     part = 4 * 2 / (2 * math.pi) * (1 / math.sqrt(2)) * math.atan(1 / math.sqrt(2))
-    _agrees(estimate, 1 - np.full(3, part))
+    assert_mean(estimate, 1 - np.full(3, part))
 
 
 @pytest.mark.parametrize("shape", [(1, 1), (2, 1), (1, 4, 3)])
@@ -270,23 +260,3 @@ def test_normals_are_interpolated_and_turned_to_the_eye() -> None:
     np.testing.assert_allclose(
         _image(scene)[facing], np.tile(expected, (facing.sum(), 1)), rtol=1e-4
     )
-
-
-def test_scattering_needs_llvm() -> None:
-    scene = Scene("plane", ABOVE, (_floor(Material(albedo=PAPER)),), lights=(SUN,))
-    with pytest.raises(CapabilityError, match="LLVM only; apt install"):
-        render(scene, SIZE, variant=llvm.SLOW_VARIANT)
-
-
-def test_only_scenes_that_scatter_draw_random_numbers() -> None:
-    film = _floor(Material(0.5, transmission=(0.2, 0.5, 0.9)))
-    plain = Scene("film", ABOVE, (film,))
-    assert is_straight(plain)
-    lit = dataclasses.replace(plain, lights=(SUN,))
-    assert not is_straight(lit)
-    assert not is_random(lit)
-    glass = dataclasses.replace(plain, objects=(_floor(PANES[0]),))
-    frosted = dataclasses.replace(film.material, collimation=0.5)
-    for scene in (glass, dataclasses.replace(plain, objects=(_floor(frosted),))):
-        assert is_random(scene)
-        assert not is_straight(scene)

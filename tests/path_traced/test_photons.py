@@ -1,4 +1,4 @@
-"""Caustics against closed forms: every solid here stands over receivers of its own little scene."""
+"""Caustics against closed forms; each test has a small scene of solids and receivers."""
 
 from __future__ import annotations
 
@@ -6,18 +6,18 @@ import importlib
 import importlib.util
 import math
 from collections.abc import Sequence
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 import pytest
 
-from oitbench.errors import CapabilityError
 from oitbench.modeling.mesh import box, quad, sphere
 from oitbench.path_traced import llvm
+from oitbench.path_traced.export.shapes import solids
+from oitbench.path_traced.optics.materials import absorption, mean_chord
 from oitbench.path_traced.photons.cells import BITS, WIDER, PhotonCells
-from oitbench.path_traced.photons.map import CausticMap, absorption, mean_chord, solids
+from oitbench.path_traced.photons.map import CausticMap
 from oitbench.scene import (
     BLACK,
     PENUMBRA,
@@ -39,7 +39,7 @@ needs_llvm = pytest.mark.skipif(
 )
 DOWN = DirectionalLight((0.0, -1.0, 0.0))
 CLEAR = 1.0001
-"""A refractive index that bends and reflects next to nothing."""
+"""A refractive index with almost no refraction and reflection."""
 FLOOR = quad((0, 0, 0), (4, 0, 0), (0, 0, -4))
 SLAB = box((0, 1, 0), (2, 0.5, 2))
 COUNT = 150_000
@@ -63,7 +63,7 @@ DIFFUSE: dict[str, Any] = {"type": "diffuse"}
 
 
 class _Traced:
-    """A scene in Mitsuba, and the light that its solids throw on the rest."""
+    """A scene in Mitsuba, and the caustic map of its solids."""
 
     def __init__(
         self,
@@ -105,9 +105,9 @@ class _Traced:
         return si
 
     def irradiance(self, points: npt.ArrayLike, normal: RGB = (0, 1, 0)) -> Floats:
-        """Return irradiance at `points`, shape (..., 3), of a surface of `normal`."""
+        """Return the irradiance at `points`, shape (..., 3), of a surface of `normal`."""
         assert self.map is not None
-        found = self.map.irradiance(self.interactions(points, normal))
+        found = self.map.irradiance(self.interactions(points, normal), True)
         return np.array(found, dtype=np.float64).T.reshape(np.shape(points))
 
 
@@ -117,7 +117,7 @@ def _rgb(values: npt.ArrayLike) -> RGB:
 
 
 def _grid(half: float, steps: int = 64, center: RGB = (0, 0, 0)) -> Floats:
-    """Return a square lattice of points, (steps, steps, 3), on a horizontal plane."""
+    """Return a square grid of points, shape (steps, steps, 3), on a horizontal plane."""
     across = half * (2 * (np.arange(steps) + 0.5) / steps - 1)
     x, z = np.meshgrid(across, across)
     return np.stack([x, np.zeros_like(x), z], axis=-1) + center
@@ -135,7 +135,7 @@ def test_absorption_of_a_mean_chord_is_that_of_both_surfaces() -> None:
 
 
 @needs_llvm
-def test_a_slab_passes_what_its_surfaces_do_not_reflect_and_its_inside_not_absorb() -> None:
+def test_a_slab_passes_the_light_that_is_neither_reflected_nor_absorbed() -> None:
     scene = _scene(SLAB, 1.5, transmission=(0.9, 0.5, 0.2))
     found = _Traced(scene).irradiance(_grid(0.8)).mean(axis=(0, 1))
     reflected = 0.2**2
@@ -152,7 +152,7 @@ def test_light_through_a_clear_solid_is_even_and_ends_with_it() -> None:
     side = float(traced.map.side[0])
     lit = traced.irradiance(_grid(0.9))
     np.testing.assert_allclose(lit.mean(axis=(0, 1)), (1, 2, 3), rtol=1e-3)
-    # Photons that were strewn at random would vary by 1/√128 = 9 %.
+    # Photons at random places would vary by 1/√128 = 9 %.
     assert lit[..., 0].std() < 0.02
     x = np.linspace(0, 0.9, 2000)
     across = traced.irradiance(np.stack([x, 0 * x, 0 * x], axis=-1))[:, 0]
@@ -164,7 +164,7 @@ def test_light_through_a_clear_solid_is_even_and_ends_with_it() -> None:
 
 
 @needs_llvm
-def test_what_a_solid_scatters_does_not_enter_it() -> None:
+def test_light_that_a_solid_scatters_does_not_enter_it() -> None:
     traced = _Traced(_scene(SLAB, CLEAR, albedo=(0.0, 0.3, 0.9)))
     found = traced.irradiance(_grid(0.8)).mean(axis=(0, 1))
     np.testing.assert_allclose(found, (1, 0.7, 0.1), rtol=5e-3)
@@ -184,7 +184,7 @@ def test_sparse_photons_are_spread_over_wide_cells_and_none_is_lost() -> None:
     keys, sums = cells.finish()
     assert (np.diff(keys.astype(object)) > 0).all()
     wide = keys >> np.uint64(3 * BITS + 3) == 1
-    # Each cell is there twice, as cells overlap along the axis.
+    # Each cell occurs twice, because cells overlap along the axis.
     np.testing.assert_allclose(sums[~wide].sum(axis=0), 2 * power[: len(many)].sum(axis=0))
     np.testing.assert_allclose(sums[wide].sum(axis=0), 2 * power[len(many) :].sum(axis=0))
 
@@ -214,7 +214,7 @@ def test_films_receive_and_tint_the_light_behind_the_solid_only() -> None:
 def test_light_inside_a_solid_is_power_and_not_radiance() -> None:
     film = quad((0, 1, 0), (0.9, 0, 0), (0, 0, -0.9))
     traced = _Traced(_scene(SLAB, 1.5), [(film, {"type": "null"})])
-    # Down and up together: (1 − R)(1 + R)/(1 − R²). Radiance would be 2.25 times that.
+    # Downwards and upwards together: (1 − R)(1 + R)/(1 − R²). Radiance would be 2.25 times that.
     found = traced.irradiance(_grid(0.7, center=(0, 1, 0)))[..., 0].mean()
     assert found == pytest.approx(1, rel=5e-3)
 
@@ -235,10 +235,10 @@ def test_a_tilted_receiver_is_lit_by_the_cosine(tilt: float) -> None:
 
 
 @needs_llvm
-def test_all_that_meets_a_sphere_arrives_on_the_walls_around_it() -> None:
-    half, beyond = 2.5, 0.5  # light is spread a little beyond the edges of a wall
+def test_all_light_that_hits_a_sphere_arrives_on_the_walls_around_it() -> None:
+    half, beyond = 2.5, 0.5  # light spreads a little beyond the edges of a wall
     ball, room = sphere((0, 2.2, 0), 1, 64, 32), box((0, half, 0), (2 * half,) * 3)
-    # Walls that let all light through let the beam in, and still receive.
+    # Walls that transmit everything let the beam in, and still receive photons.
     traced = _Traced(_scene(ball, 1.5), [(room, {"type": "null"})], COUNT)
     total = 0.0
     for axis in range(3):
@@ -252,9 +252,9 @@ def test_all_that_meets_a_sphere_arrives_on_the_walls_around_it() -> None:
 
 
 def _within(radius: float, height: float, index: float) -> float:
-    """Return the power that goes once through a unit sphere, to a disc `height` below its center.
+    """Return the power that a unit sphere sends to a disk `height` below its center.
 
-    The beam is parallel, of unit irradiance; Fresnel's losses are those of unpolarized light.
+    The beam is parallel and of unit irradiance. Fresnel losses are those of unpolarized light.
     """
     across = (np.arange(200_000) + 0.5) / 200_000
     outer, inner = np.arcsin(across), np.arcsin(across / index)
@@ -298,13 +298,13 @@ def test_a_spot_light_fades_with_distance_slope_and_angle() -> None:
 
 
 @needs_llvm
-def test_a_far_spot_light_is_as_good_as_a_direction() -> None:
+def test_a_far_spot_light_equals_a_directional_light() -> None:
     far = 1000.0
     spot = SpotLight((0, far, 0), (0, 0, 0), (far**2, far**2, far**2), 0.01)
     scenes = [_scene(sphere((0, 1.5, 0), 1, 64, 32), 1.5, [light]) for light in (DOWN, spot)]
     parallel, central = (_Traced(scene) for scene in scenes)
     for half in (0.2, 0.8):
-        # The sphere is nearer than the floor, so it is lit by more: (1 − 1.5/1000)⁻².
+        # The sphere is closer to the light than the floor and receives more: (1 − 1.5/1000)⁻².
         expected = 1.003 * parallel.irradiance(_grid(half, 100)).mean()
         assert central.irradiance(_grid(half, 100)).mean() == pytest.approx(expected, rel=5e-3)
 
@@ -328,7 +328,7 @@ def test_the_lookup_works_inside_a_symbolic_loop() -> None:
 
 
 @needs_llvm
-def test_the_seed_tells_the_photons() -> None:
+def test_the_seed_determines_the_photons() -> None:
     scene = _scene(SLAB, 1.5)
     traced = _Traced(scene)
     first = traced.irradiance(_grid(0.8))
@@ -352,11 +352,5 @@ def test_there_is_no_map_without_a_beam_on_a_solid_that_refracts() -> None:
 def test_a_solid_without_its_shape_is_named() -> None:
     scene = _scene(SLAB, 1.5)
     empty = _Traced(_scene(SLAB, 1.0))
-    with pytest.raises(ValueError, match="has no shape solid_0"):
+    with pytest.raises(ValueError, match="has no shape solid_0; export the same scene"):
         CausticMap.build(empty.mitsuba, empty.drjit, empty.content, scene, COUNT, 1)
-
-
-def test_scalar_variants_say_that_they_trace_no_caustics() -> None:
-    scalar = SimpleNamespace(variant=lambda: llvm.SLOW_VARIANT)
-    with pytest.raises(CapabilityError, match=r"scene caustic: .* install an LLVM library"):
-        CausticMap.build(scalar, None, None, _scene(SLAB, 1.5), COUNT, 1)

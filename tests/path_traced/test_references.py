@@ -1,28 +1,27 @@
-"""Stored references: what comes back, what is out of date, and what a check notices."""
+"""References: storage, lookup, staleness, and checks."""
 
 from __future__ import annotations
 
 import dataclasses
-import importlib.util
 import json
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
 from oitbench.cli import main
 from oitbench.errors import UsageError
-from oitbench.path_traced.references import obtain as references
-from oitbench.path_traced.references import stored
+from oitbench.path_traced.references import lookup, rendering, storage
+from oitbench.path_traced.references.check import check
 from oitbench.path_traced.references.fingerprint import fingerprint
-from oitbench.path_traced.references.stored import Reference
+from oitbench.path_traced.references.storage import Reference, ReferenceInfo
 from oitbench.path_traced.references.z_test import z_test
 from oitbench.path_traced.trace.render import Estimate
+from oitbench.plugins import own_folder
 from oitbench.scene import Camera, Material, Mesh, Object, Scene, Texture
+from tests.path_traced.agreement import needs_mitsuba
 
-needs_mitsuba = pytest.mark.skipif(
-    importlib.util.find_spec("mitsuba") is None, reason="Mitsuba is not installed"
-)
 SIZE = (12, 8)
 LABEL = "window[seed=2]"
 
@@ -42,7 +41,7 @@ def _scene(coverage: float | Texture = 0.5, exposure: float = 0.0) -> Scene:
 
 def _reference(scene: Scene, seed: int = 7) -> Reference:
     random = np.random.default_rng(seed)
-    return Reference(
+    info = ReferenceInfo(
         scene=LABEL,
         size=SIZE,
         ssaa=2,
@@ -50,7 +49,10 @@ def _reference(scene: Scene, seed: int = 7) -> Reference:
         seed=seed,
         mitsuba="3.9.1",
         fingerprint=fingerprint(scene),
-        noise_floor={"flip_ldr@67ppd": 0.001, "rmse_lin": 0.002},
+        noise_floor={"flip_ldr@67ppd": 0.001, "rmse_lin": None},
+    )
+    return Reference(
+        info,
         mean=random.random((SIZE[1], SIZE[0], 3)).astype(np.float32),
         variance=(1e-9 * random.random((SIZE[1], SIZE[0], 3))).astype(np.float32),
     )
@@ -59,42 +61,57 @@ def _reference(scene: Scene, seed: int = 7) -> Reference:
 def test_a_reference_comes_back_as_it_was_stored(tmp_path: Path) -> None:
     scene = _scene()
     reference = _reference(scene)
-    stored.save(tmp_path / "reference", reference)
-    found = references.load_reference(scene, LABEL, SIZE, 2, [tmp_path])
+    storage.save(tmp_path / "reference", reference)
+    found = lookup.find(scene, LABEL, SIZE, 2, [tmp_path])
     assert found is not None
-    assert found.facts() == reference.facts()
+    assert found.info == reference.info
     assert not found.stale
     np.testing.assert_allclose(found.mean, reference.mean, rtol=2**-11)
     np.testing.assert_array_equal(found.variance, reference.variance)
 
 
+def test_the_manifests_of_the_collection_can_be_read_and_written_unchanged(tmp_path: Path) -> None:
+    shipped = own_folder() / storage.FOLDER
+    infos = storage.read_manifest(shipped)
+    assert infos
+    for info in infos.values():
+        assert (shipped / f"{info.key}.mean.exr").is_file()
+    (tmp_path / storage.MANIFEST).write_bytes((shipped / storage.MANIFEST).read_bytes())
+    info = next(iter(infos.values()))
+    reference = storage.read(shipped, info.scene, info.size)
+    assert reference is not None
+    storage.save(tmp_path, reference)
+    for path in tmp_path.iterdir():
+        assert path.read_bytes() == (shipped / path.name).read_bytes(), path.name
+
+
 def test_a_radiance_beyond_half_floats_is_kept(tmp_path: Path) -> None:
     reference = _reference(_scene())
     bright = dataclasses.replace(reference, mean=reference.mean * np.float32(1e6))
-    stored.save(tmp_path, bright)
-    found = stored.read(tmp_path, LABEL, SIZE)
+    storage.save(tmp_path, bright)
+    found = storage.read(tmp_path, LABEL, SIZE)
     assert found is not None
     np.testing.assert_array_equal(found.mean, bright.mean)
 
 
 def test_another_label_size_or_grid_is_not_found(tmp_path: Path) -> None:
     scene = _scene()
-    stored.save(tmp_path / "reference", _reference(scene))
-    assert references.load_reference(scene, "window", SIZE, 2, [tmp_path]) is None
-    assert references.load_reference(scene, LABEL, (8, 12), 2, [tmp_path]) is None
-    assert references.load_reference(scene, LABEL, SIZE, 1, [tmp_path]) is None
-    assert references.load_reference(scene, LABEL, SIZE, 2, [tmp_path / "none"]) is None
+    storage.save(tmp_path / "reference", _reference(scene))
+    assert lookup.find(scene, "window", SIZE, 2, [tmp_path]) is None
+    assert lookup.find(scene, LABEL, (8, 12), 2, [tmp_path]) is None
+    assert lookup.find(scene, LABEL, SIZE, 1, [tmp_path]) is None
+    assert lookup.find(scene, LABEL, SIZE, 2, [tmp_path / "none"]) is None
 
 
 def test_a_changed_scene_makes_its_reference_stale(tmp_path: Path) -> None:
-    stored.save(tmp_path / "reference", _reference(_scene()))
-    found = references.load_reference(_scene(coverage=0.501), LABEL, SIZE, 2, [tmp_path])
+    storage.save(tmp_path / "reference", _reference(_scene()))
+    found = lookup.find(_scene(coverage=0.501), LABEL, SIZE, 2, [tmp_path])
     assert found is not None
     assert found.stale
     assert "has changed" in found.message
 
 
-def test_the_fingerprint_sees_every_value_but_the_name() -> None:
+def test_the_fingerprint_depends_on_every_value_but_the_name() -> None:
     scene = _scene()
     mesh = scene.objects[0].mesh
     moved = mesh.positions.copy()
@@ -115,30 +132,34 @@ def test_the_fingerprint_sees_every_value_but_the_name() -> None:
     assert fingerprint(_scene(coverage=0.5 + 1e-9)) == digests[0]
 
 
-def test_a_damaged_manifest_is_named_with_its_mend(tmp_path: Path) -> None:
+def test_a_damaged_manifest_is_reported_with_the_fix(tmp_path: Path) -> None:
     scene = _scene()
-    stored.save(tmp_path / "reference", _reference(scene))
-    path = tmp_path / "reference" / stored.MANIFEST
+    storage.save(tmp_path / "reference", _reference(scene))
+    path = tmp_path / "reference" / storage.MANIFEST
     whole = path.read_text()
     path.write_text(whole[: len(whole) // 2])
     with pytest.raises(UsageError, match="damaged; restore it, or delete it"):
-        references.load_reference(scene, LABEL, SIZE, 2, [tmp_path])
+        lookup.find(scene, LABEL, SIZE, 2, [tmp_path])
     path.write_text(json.dumps({"version": 99, "references": {}}))
     with pytest.raises(UsageError, match="version 99"):
-        stored.read_manifest(path.parent)
+        storage.read_manifest(path.parent)
     manifest = json.loads(whole)
-    del manifest["references"][stored.entry_key(LABEL, SIZE)]["spp"]
+    del manifest["references"][storage.reference_key(LABEL, SIZE)]["spp"]
     path.write_text(json.dumps(manifest))
-    with pytest.raises(UsageError, match=r"window\[seed=2\]@12x8 is damaged"):
-        stored.read(path.parent, LABEL, SIZE)
+    with pytest.raises(UsageError, match=r"window\[seed=2\]@12x8 is damaged; delete the entry"):
+        storage.read(path.parent, LABEL, SIZE)
+    manifest["references"] = {"other@12x8": json.loads(whole)["references"]["window[seed=2]@12x8"]}
+    path.write_text(json.dumps(manifest))
+    with pytest.raises(UsageError, match="other@12x8 is damaged"):
+        storage.read_manifest(path.parent)
 
 
 def test_a_missing_image_is_an_error(tmp_path: Path) -> None:
     reference = _reference(_scene())
-    stored.save(tmp_path, reference)
-    (tmp_path / f"{reference.key}.mean.exr").unlink()
+    storage.save(tmp_path, reference)
+    (tmp_path / f"{reference.info.key}.mean.exr").unlink()
     with pytest.raises(UsageError, match="no such image"):
-        stored.read(tmp_path, LABEL, SIZE)
+        storage.read(tmp_path, LABEL, SIZE)
 
 
 def test_z_test_passes_noise_and_fails_a_shift() -> None:
@@ -161,7 +182,7 @@ def test_z_test_passes_noise_and_fails_a_shift() -> None:
     assert z_test(few, truth, variance).passed
 
 
-def test_without_noise_the_z_test_forgives_half_floats_only() -> None:
+def test_without_noise_the_z_test_accepts_rounding_to_half_floats_only() -> None:
     truth = np.random.default_rng(4).uniform(0, 50, (16, 16, 3)).astype(np.float32)
     half = truth.astype(np.float16).astype(np.float32)
     variance = np.zeros(truth.shape)
@@ -169,68 +190,73 @@ def test_without_noise_the_z_test_forgives_half_floats_only() -> None:
     assert not z_test(truth * np.float32(1.01), half, variance).passed
 
 
-def test_the_noise_floor_is_what_the_halves_differ_by() -> None:
+def test_the_noise_floor_is_the_difference_of_the_halves() -> None:
     first = np.full((16, 16, 3), 0.5, dtype=np.float32)
     second = first + np.float32(0.25)
-    floor = references.noise_floor(Estimate(first, first, (first, second), 2), 0.0)
+    floor = rendering.noise_floor(Estimate(first, first, (first, second), 2), 0.0)
     assert floor["rmse_lin"] == pytest.approx(0.25)
     flip = floor["flip_ldr@67ppd"]
     assert flip is not None
     assert flip > 0.01
-    none = references.noise_floor(Estimate(first, first, (first, first), 2), 0.0)
+    none = rendering.noise_floor(Estimate(first, first, (first, first), 2), 0.0)
     assert none == {"flip_ldr@67ppd": 0, "rmse_lin": 0}
 
 
 @needs_mitsuba
-def test_a_reference_is_rendered_once_then_cached_and_a_stale_one_passed_over(
-    tmp_path: Path,
+def test_a_reference_is_rendered_once_then_cached_and_a_stale_one_is_not_used(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    cache, shipped = tmp_path / "cache", tmp_path / "collection"
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    shipped = tmp_path / "collection"
     scene = _scene()
-    stored.save(shipped / "reference", _reference(_scene(coverage=0.4)))
-    calls: list[int] = []
+    storage.save(shipped / "reference", _reference(_scene(coverage=0.4)))
+    rendered: list[str] = []
 
-    def obtain(where: list[Path]) -> Reference:
-        return references.obtain_reference(
-            scene, LABEL, SIZE, 2, where, cache, progress=lambda done, count: calls.append(done)
-        )
+    def render_reference(scene: Scene, label: str, *rest: Any) -> Reference:
+        rendered.append(label)
+        return rendering.render_reference(scene, label, *rest)
 
-    first = obtain([shipped])
-    assert len(calls) == 1
+    monkeypatch.setattr(lookup, "render_reference", render_reference)
+
+    def obtain(*folders: Path) -> Reference:
+        return lookup.find_or_render(scene, LABEL, SIZE, 2, folders)
+
+    first = obtain(shipped)
+    assert rendered == [LABEL]
     assert not first.stale
     assert "has changed" in first.message
-    second = obtain([shipped])
-    third = obtain([])
-    assert len(calls) == 1
+    second = obtain(shipped)
+    third = obtain()
+    assert rendered == [LABEL]
     assert (second.message, third.message) == (first.message, "")
     np.testing.assert_allclose(second.mean, first.mean, rtol=2**-11)
-    assert second.noise_floor == {"flip_ldr@67ppd": 0, "rmse_lin": 0}
-    stored.save(shipped / "reference", _reference(scene))
-    assert obtain([shipped]).spp == 16
+    assert second.info.noise_floor == {"flip_ldr@67ppd": 0, "rmse_lin": 0}
+    storage.save(shipped / "reference", _reference(scene))
+    assert obtain(shipped).info.spp == 16
 
 
 @needs_mitsuba
-def test_a_cache_that_cannot_be_written_is_told_but_no_error(tmp_path: Path) -> None:
+def test_a_cache_that_cannot_be_written_is_reported_but_no_error(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     (tmp_path / "file").touch()
-    reference = references.obtain_reference(
-        _scene(), LABEL, SIZE, 2, [], tmp_path / "file", progress=lambda done, count: None
-    )
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "file"))
+    reference = lookup.find_or_render(_scene(), LABEL, SIZE, 2, [])
     assert "not cached" in reference.message
     assert reference.mean.shape == (SIZE[1], SIZE[0], 3)
 
 
 @needs_mitsuba
-def test_a_check_fails_on_a_perturbed_mean_and_shows_it(tmp_path: Path) -> None:
+def test_a_check_fails_on_a_changed_mean_and_writes_images(tmp_path: Path) -> None:
     scene = _scene()
-    good = references.render_reference(scene, LABEL, SIZE, progress=lambda done, count: None)
-    stored.save(tmp_path, good)
-    back = stored.read(tmp_path, LABEL, SIZE)
+    storage.save(tmp_path, rendering.render_reference(scene, LABEL, SIZE, 2))
+    back = storage.read(tmp_path, LABEL, SIZE)
     assert back is not None
-    assert references.check(scene, back, output=tmp_path / "out").passed
+    assert check(scene, back, tmp_path / "out").passed
     assert not (tmp_path / "out").exists()
     bad = dataclasses.replace(back, mean=back.mean + np.float32(0.02))
-    assert not references.check(scene, bad, output=tmp_path / "out").passed
-    names = {path.name for path in (tmp_path / "out" / back.key).iterdir()}
+    assert not check(scene, bad, tmp_path / "out").passed
+    names = {path.name for path in (tmp_path / "out" / back.info.key).iterdir()}
     kinds = ("image", "reference", "error", "p_value")
     assert names == {f"{kind}.{suffix}" for kind in kinds for suffix in ("exr", "png")}
 
@@ -266,11 +292,11 @@ def test_the_command_renders_checks_and_notices_a_change(
 
     code, output = _main(monkeypatch, capsys, "pane", "--size", "12x8", "--collection", str(folder))
     assert code == 0, output
-    assert stored.read_manifest(folder / "reference").keys() == {"pane@12x8"}
+    assert storage.read_manifest(folder / "reference").keys() == {"pane@12x8"}
     code, output = run("--check", "pane")
     assert (code, "passed" in output) == (0, True), output
     image = folder / "reference" / "pane@12x8.mean.exr"
-    stored.save(folder / "reference", _perturbed(folder / "reference"))
+    storage.save(folder / "reference", _perturbed(folder / "reference"))
     assert image.is_file()
     code, output = run("--check", "pane")
     assert (code, "failed" in output) == (1, True), output
@@ -286,7 +312,7 @@ def test_the_command_renders_checks_and_notices_a_change(
 def _main(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], *words: str
 ) -> tuple[int, str]:
-    """Run the verb as the shell would; return its exit code and all that it printed."""
+    """Run the command as a shell does; return its exit code and its output."""
     monkeypatch.setattr("sys.argv", ["oitbench", "reference", *words])
     code: object = 0
     try:
@@ -299,6 +325,6 @@ def _main(
 
 
 def _perturbed(folder: Path) -> Reference:
-    reference = stored.read(folder, "pane", (12, 8))
+    reference = storage.read(folder, "pane", (12, 8))
     assert reference is not None
     return dataclasses.replace(reference, mean=reference.mean * np.float32(1.1))

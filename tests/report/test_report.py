@@ -66,11 +66,11 @@ def finished(folder: Path, scene: str, method: str, error: float, *, traced: boo
             ],
         },
         "nonfinite": {"nan": 0, "inf": 0, "negative": 0},
-        "metrics": {"exact": metrics.compare(truth, picture, 0.0)},
+        "metrics": {"exact": metrics.compare(truth, picture, 0.0).values},
     }
     kinds = {"color": picture, "exact": truth}
     if traced:
-        scores: dict[str, Any] = dict(metrics.compare(truth, picture, 0.0))
+        scores: dict[str, Any] = dict(metrics.compare(truth, picture, 0.0).values)
         scores["noise_floor"] = {metrics.FLIP_LDR: 0.01, metrics.RMSE: 0.01}
         record["metrics"]["path_traced"] = scores
         kinds["path_traced"] = truth

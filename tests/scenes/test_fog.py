@@ -12,7 +12,7 @@ from oitbench.effects import Effect
 from oitbench.modeling.mesh import merge
 from oitbench.modeling.props.architecture import arch, column, lettering, window_wall
 from oitbench.modeling.props.people import limb, man, woman
-from oitbench.path_traced.export.scene import _require_distinct
+from oitbench.path_traced.export.checks import require_traceable
 from oitbench.plugins import Collection
 from oitbench.scene import DirectionalLight, Mesh, Object, Scene, SpotLight
 
@@ -82,7 +82,7 @@ def test_detail_adds_triangles_within_bounds(name: str) -> None:
 @pytest.mark.parametrize("name", NAMES)
 @pytest.mark.parametrize("detail", ["0.1", "1"])
 def test_no_triangles_coincide(name: str, detail: str) -> None:
-    _require_distinct(build(f"{name}[detail={detail}]"))
+    require_traceable(build(f"{name}[detail={detail}]"))
 
 
 @pytest.mark.parametrize("name", NAMES)

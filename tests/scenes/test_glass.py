@@ -10,7 +10,7 @@ import pytest
 
 from oitbench.effects import Effect
 from oitbench.errors import UsageError
-from oitbench.path_traced.export.scene import _require_distinct
+from oitbench.path_traced.export.checks import require_traceable
 from oitbench.plugins import Collection
 from oitbench.scene import DirectionalLight, Mesh, Object, Scene, SpotLight
 
@@ -65,7 +65,7 @@ def test_scenes_call_for_their_phenomena(name: str, effects: Effect) -> None:
 @pytest.mark.parametrize("name", EFFECTS)
 def test_no_two_triangles_coincide(name: str) -> None:
     for detail in ("0.1", "1"):
-        _require_distinct(build(f"{name}[detail={detail}]"))
+        require_traceable(build(f"{name}[detail={detail}]"))
 
 
 @pytest.mark.parametrize("name", EFFECTS)

@@ -1,1 +1,1 @@
-"""A scene as Mitsuba sees it."""
+"""Export of a scene to Mitsuba: shapes, textures, materials without scattering, and the camera."""

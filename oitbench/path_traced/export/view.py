@@ -1,9 +1,10 @@
-"""The pinhole camera as rays through the centers of a fixed sub-pixel grid, as GL samples it."""
+"""The pinhole camera as rays through the centers of the sub-pixel grid that OpenGL samples, too."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -13,13 +14,13 @@ from oitbench.scene import Camera
 
 @dataclass(frozen=True)
 class View:
-    """A camera with the sub-pixel grid it is sampled on.
+    """A camera with its grid of sub-pixels.
 
     Parameters
     ----------
     camera : Camera
     width, height : int
-        Sub-pixels: the image's size times `ssaa`.
+        Number of sub-pixels along each side: the size of the image times `ssaa`.
     """
 
     camera: Camera
@@ -28,7 +29,7 @@ class View:
 
     @property
     def step(self) -> tuple[float, float]:
-        """Distance between sub-pixels, right and up, on the plane one metre in front."""
+        """Distance between sub-pixels to the right and up, on the plane one metre in front."""
         tall = 2 * math.tan(self.camera.fov_y / 2)
         return tall * (self.width / self.height) / self.width, tall / self.height
 
@@ -52,3 +53,11 @@ class View:
         forward = x[:, None] * right + y[:, None] * up - back
         origins = np.asarray(self.camera.position) + self.camera.near * forward
         return origins, forward / np.linalg.norm(forward, axis=1, keepdims=True)
+
+    def before_far_plane(self, mitsuba: Any, drjit: Any, p: Any) -> Any:
+        """Return whether the point `p`, Point3f in metres, is not beyond the far plane; Bool."""
+        if math.isinf(self.camera.far):
+            return mitsuba.Bool(True)
+        back = mitsuba.Vector3f(*map(float, self.camera.axes[2]))
+        offset = p - mitsuba.Point3f(*map(float, self.camera.position))
+        return -drjit.dot(offset, back) <= self.camera.far

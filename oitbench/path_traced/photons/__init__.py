@@ -1,1 +1,1 @@
-"""Caustics by photon mapping."""
+"""Caustics by photon mapping: the light of beams that passes through refracting solids."""

@@ -1,8 +1,8 @@
 """Sums of photons in the cells of a grid, on the host.
 
-A cell is a square on a surface, and a key of 64 bits: a bit for its level, three for the direction
-that the surface faces, and `BITS` for each of its coordinates, two across and one along the axis.
-The wide cells of level 1 hold `WIDER`³ of those of level 0.
+A cell is a square on a surface. Its key of 64 bits consists of one bit for the level, three bits
+for the axis and the sign that the surface faces most, and `BITS` for each coordinate: two across
+the axis and one along it. A wide cell, of level 1, contains `WIDER`³ cells of level 0.
 """
 
 from __future__ import annotations
@@ -13,24 +13,25 @@ import numpy as np
 import numpy.typing as npt
 
 BITS = 20
-"""Of a key for each coordinate."""
+"""Bits of a key for each coordinate."""
 WIDER_BITS = 2
 WIDER = 1 << WIDER_BITS
-"""Sides of a cell in the side of a wide one."""
+"""Side of a wide cell, in sides of a cell."""
 SPARSE, DENSE = 6, 16
-"""Mean photons in the cells around one: below the first they are all spread over the wide cell,
-above the second none is. Few photons in small cells are specks, many in wide ones are blurred."""
+"""Mean numbers of photons in the cells around a photon. Below the first, the photon is spread over
+its wide cell; above the second, it stays in its cell. Few photons in small cells would be specks,
+and many in wide cells would be blurred."""
 ACROSS = (2, 1)
-"""Places in a key of the two coordinates across the axis."""
+"""Places in a key of the two coordinates across the axis; place 0 is the lowest bits."""
 MOST_PENDING = 1 << 22
-"""Deposits that wait to be summed up: 40 bytes each."""
+"""Photons that are kept before they are summed: 40 bytes each."""
 
 Keys = npt.NDArray[np.uint64]
 Floats = npt.NDArray[np.float64]
 
 
 class PhotonCells:
-    """Power, and the number of photons, by the keys of cells."""
+    """The power and the number of photons by cell."""
 
     def __init__(self) -> None:
         self._keys: list[Keys] = []
@@ -38,7 +39,14 @@ class PhotonCells:
         self._pending = 0
 
     def add(self, keys: Keys, power: npt.NDArray[np.floating[Any]]) -> None:
-        """Add photons of `power`, shape (n, 3), to the cells `keys`, shape (n,), of level 0."""
+        """Add photons to cells of level 0.
+
+        Parameters
+        ----------
+        keys : array, shape (n,), uint64
+        power : array, shape (n, 3)
+            W for each channel.
+        """
         self._keys.append(keys)
         self._sums.append(np.column_stack([power, np.ones(len(keys))]))
         self._pending += len(keys)
@@ -50,10 +58,18 @@ class PhotonCells:
         self._keys, self._sums, self._pending = [keys], [sums], 0
 
     def finish(self) -> tuple[Keys, Floats]:
-        """Return the cells of both levels with any light, ascending, and their power, (n, 3).
+        """Return the power by cell.
 
-        Every photon counts once, in a cell or in a wide one, or by parts. Along the axis cells
-        overlap by half, so that one of them has a point's neighborhood on either side.
+        Every photon counts once: in its cell, in its wide cell, or divided between both. Cells
+        overlap by half along the axis, so that each point is in the middle half of a cell and has
+        its neighborhood on either side.
+
+        Returns
+        -------
+        keys : array, shape (n,), uint64
+            Cells of both levels that receive any light, ascending.
+        power : array, shape (n, 3)
+            W for each channel.
         """
         if not self._keys:
             return np.zeros(0, dtype=np.uint64), np.zeros((0, 3))
@@ -72,14 +88,14 @@ class PhotonCells:
 
 
 def _sum(keys: Keys, values: Floats) -> tuple[Keys, Floats]:
-    """Return the different `keys`, ascending, and the sum of the `values` of each."""
-    different, inverse = np.unique(keys, return_inverse=True)
-    sums = [np.bincount(inverse, weights=column, minlength=len(different)) for column in values.T]
-    return different, np.stack(sums, axis=1)
+    """Return the distinct `keys`, ascending, and the sum of the `values` of each."""
+    distinct, inverse = np.unique(keys, return_inverse=True)
+    sums = [np.bincount(inverse, weights=column, minlength=len(distinct)) for column in values.T]
+    return distinct, np.stack(sums, axis=1)
 
 
 def _wide(keys: Keys) -> Keys:
-    """Return the keys of the wide cells that the cells lie in."""
+    """Return the keys of the wide cells that contain the cells."""
     mask = np.uint64((1 << BITS) - 1)
     wide = (keys >> np.uint64(3 * BITS)) | np.uint64(1 << 3)
     for place in (2, 1, 0):
@@ -89,13 +105,16 @@ def _wide(keys: Keys) -> Keys:
 
 
 def _density(keys: Keys, counts: Floats) -> Floats:
-    """Return the mean photons of the cells around each, interpolated between wide cells."""
+    """Return the mean number of photons in the cells around each cell.
+
+    The means over wide cells are interpolated.
+    """
     wide, inverse = np.unique(_wide(keys), return_inverse=True)
     means = np.bincount(inverse, weights=counts) / WIDER**2
     corners = [(_wide(keys), np.ones(len(keys)))]
     for place in ACROSS:
         field = (keys >> np.uint64(place * BITS)) & np.uint64(WIDER - 1)
-        # From the middle of the wide cell, in its sides.
+        # From the middle of the wide cell, in units of its side.
         offset = (field + 0.5) / WIDER - 0.5
         step = np.uint64(1 << (place * BITS))
         corners = [

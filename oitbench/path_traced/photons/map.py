@@ -1,8 +1,9 @@
-"""Caustics by photon mapping: what beams deliver through refracting solids.
+"""The caustic map: irradiance from beams through refracting solids, by photon mapping.
 
-A path cannot find a direction or a point of light through glass by chance, so photons are shot from
-the light instead (Jensen 1996, "Global illumination using photon maps"). They are gathered in the
-square cells of a grid rather than by nearest neighbors: a lookup is four searches in a sorted list.
+A path that is refracted cannot hit a directional light or the point of a spot light by chance.
+Photons are therefore traced from the light (Jensen 1996, "Global illumination using photon maps").
+They are summed in the square cells of a grid and not found as nearest neighbors, so that a lookup
+is a few searches in a sorted list.
 """
 
 from __future__ import annotations
@@ -13,74 +14,49 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
-from oitbench.errors import CapabilityError
-from oitbench.path_traced.photons.aim import Aim
+from oitbench.path_traced.export.shapes import solids
+from oitbench.path_traced.optics.materials import absorption
 from oitbench.path_traced.photons.cells import BITS, WIDER, PhotonCells
+from oitbench.path_traced.photons.emission import Emission
 from oitbench.path_traced.photons.paths import DEPTH, PhotonPaths
-from oitbench.scene import Mesh, Object, Scene
+from oitbench.scene import Object, Scene
 
 CELL_PHOTONS = 128
-"""Photons in a cell where the light is not concentrated: its side is √(128 A/n) for n photons of
-beams of cross-section A. Fewer are noisier, more are blurred."""
+"""Photons in a cell where the light is not concentrated. The side of a cell is √(128 A/n) for n
+photons of beams of cross-section A. Smaller cells are noisier; larger ones blur more."""
 THICKNESS = 4
-"""Half the thickness of a cell along its axis, in sides: none of a tilted surface is cut off."""
+"""Half the thickness of a cell along its axis, in sides. Tilted surfaces are thus not cut off."""
 LEAST_FACING = 0.4
-"""A photon is stored for each axis that its surface's normal has this much of: a curved surface is
-looked up along the longest one, at least 0.58, and needs its neighborhood there."""
+"""Least component of the normal along an axis for which a photon is stored. A lookup uses the axis
+of the largest component, at least 0.58. On a curved surface it also needs photons of its
+neighborhood, whose component along this axis may be smaller."""
 CHUNK = 1 << 19
-"""Photons that are traced at once: some hundred bytes each."""
-CLEAREST = 1e-6
-"""Least transmission that has a finite absorption."""
-
-
-def mean_chord(mesh: Mesh) -> float:
-    """Return the mean length 4V/S of the chords through a closed mesh, in metres (Cauchy)."""
-    corners = mesh.positions[mesh.triangles].astype(np.float64)
-    corners = corners - corners.mean(axis=(0, 1))
-    cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    surface = np.linalg.norm(cross, axis=1).sum() / 2
-    volume = abs(float((corners[:, 0] * cross).sum())) / 6
-    return 4 * volume / float(surface)
-
-
-def absorption(item: Object) -> tuple[float, float, float]:
-    """Return σ = −2 ln(T)/l, m⁻¹ per channel: a mean chord l loses what its two surfaces absorb."""
-    length = mean_chord(item.mesh)
-    red, green, blue = (
-        -2 * math.log(max(part, CLEAREST)) / length for part in item.material.transmission
-    )
-    return red, green, blue
-
-
-def solids(scene: Scene) -> dict[str, Object]:
-    """Return the refracting objects by the ids that their Mitsuba shapes must have."""
-    found = [item for item in scene.transparent if item.material.refracts]
-    return {f"solid_{number}": item for number, item in enumerate(found)}
+"""Photons that are traced at once. Each needs some hundred bytes."""
 
 
 @dataclass(frozen=True, eq=False)
 class CausticMap:
     """Irradiance through refracting solids, in a grid of square cells on all surfaces.
 
-    A cell is known by the axis that its surface faces most, the sign, two coordinates across and
-    one along it. The light in four cells is interpolated, so it is spread over about two sides, or
-    `WIDER` times that where photons are sparse; surfaces smaller than that, and their edges, come
-    out too dark. Both sides of a surface are lit. A medium in the air takes no light away.
+    A cell is identified by the axis that its surface faces most, the sign, two coordinates across
+    this axis and one along it. A lookup interpolates between four cells. Light is thus spread over
+    about two sides of a cell, or `WIDER` times that where photons are sparse. Smaller surfaces, and
+    the edges of surfaces, are too dark. Both sides of a surface are lit. A medium outside of the
+    solids does not dim the photons.
 
     Parameters
     ----------
     mitsuba, drjit : module
         With an LLVM or CUDA variant set.
     origin : Point3f
-        Metres.
+        Origin of the grid, metres.
     side : Float
-        Of a cell, in metres; wide cells have `WIDER` times it.
+        Side of a cell in metres; that of a wide cell is `WIDER` times as large.
     keys : UInt64
-        Of the cells with any light, ascending.
+        Cells that receive any light, ascending.
     light : Float
-        Their irradiance, three channels each, W·m⁻².
+        Irradiance of these cells, three channels each, W·m⁻².
     """
 
     mitsuba: Any
@@ -92,62 +68,56 @@ class CausticMap:
 
     @classmethod
     def build(
-        cls, mitsuba: Any, drjit: Any, mitsuba_scene: Any, scene: Scene, count: int, seed: int
+        cls, mitsuba: Any, drjit: Any, content: Any, scene: Scene, count: int, seed: int
     ) -> CausticMap | None:
         """Trace about `count` photons from the beams of `scene` through its refracting solids.
 
         Parameters
         ----------
         mitsuba, drjit : module
-            With a variant set.
-        mitsuba_scene : mitsuba.Scene
-            Of the same scene; its shapes have the ids that `solids` gives. All other surfaces
-            receive, and let through what `eval_null_transmission` of their BSDF says.
+            With an LLVM or CUDA variant set.
+        content : mitsuba.Scene
+            The exported scene. Its refracting solids have the ids of `export.shapes.solids`. All
+            other surfaces receive photons, and transmit by `eval_null_transmission` of their BSDF.
         scene : Scene
-        count, seed : int
+        count : int
+            Number of photons of all beams together.
+        seed : int
 
         Returns
         -------
         CausticMap or None
-            None if there is no beam, no refracting solid, or none that a beam can meet.
-
-        Raises
-        ------
-        CapabilityError
-            In a scalar variant of Mitsuba.
+            None if there is no beam, no refracting solid, or none that a beam can hit.
         """
         items = solids(scene)
         if not items or not scene.beams:
             return None
-        if mitsuba.variant().startswith("scalar"):
-            raise CapabilityError(
-                f"scene {scene.name}: caustics are not traced by {mitsuba.variant()}; "
-                "install an LLVM library that drjit works with"
-            )
-        triangles = np.concatenate([_triangles(item.mesh) for item in items.values()])
-        box = mitsuba_scene.bbox()
+        triangles = np.concatenate(
+            [item.mesh.positions[item.mesh.triangles] for item in items.values()]
+        ).astype(np.float64)
+        box = content.bbox()
         bounds = (np.array(box.min, np.float64).ravel(), np.array(box.max, np.float64).ravel())
         share = -(-count // len(scene.beams))
-        found = [Aim.at(light, triangles, share, bounds) for light in scene.beams]
-        aims = [aim for aim in found if aim is not None]
-        if not aims:
+        found = [Emission.toward(light, triangles, share, bounds) for light in scene.beams]
+        emissions = [emission for emission in found if emission is not None]
+        if not emissions:
             return None
-        total = sum(aim.count for aim in aims)
-        side = math.sqrt(CELL_PHOTONS * sum(aim.area for aim in aims) / total)
-        # Opaque values leave the kernel the same for every scene, so that it is compiled once.
+        total = sum(emission.count for emission in emissions)
+        side = math.sqrt(CELL_PHOTONS * sum(emission.area for emission in emissions) / total)
+        # With opaque values, the kernel is the same for every scene and is compiled only once.
         middle = mitsuba.Point3f(*triangles.mean(axis=(0, 1)).tolist())
         drjit.make_opaque(middle)
         frame = middle, drjit.opaque(mitsuba.Float, side)
         grid = cls(mitsuba, drjit, *frame, mitsuba.UInt64(), mitsuba.Float())
-        media = _media(mitsuba, drjit, mitsuba_scene, items)
+        interiors = _interiors(mitsuba, drjit, content, items)
         cells = PhotonCells()
-        for number, aim in enumerate(aims):
+        for number, emission in enumerate(emissions):
             seeds = np.random.SeedSequence((seed, number)).generate_state(1 + 2 * DEPTH).tolist()
-            paths = PhotonPaths(mitsuba, drjit, mitsuba_scene, media, seeds[1:])
-            for first in range(0, aim.count, CHUNK):
-                index = drjit.arange(mitsuba.UInt32, min(CHUNK, aim.count - first))
+            paths = PhotonPaths(mitsuba, drjit, content, interiors, seeds[1:])
+            for first in range(0, emission.count, CHUNK):
+                index = drjit.arange(mitsuba.UInt32, min(CHUNK, emission.count - first))
                 index += drjit.opaque(mitsuba.UInt32, first)
-                for hit in paths.follow(*aim.emit(mitsuba, drjit, index, seeds[0]), index):
+                for hit in paths.follow(*emission.emit(mitsuba, drjit, index, seeds[0]), index):
                     grid._deposit(cells, *hit)
         keys, power = cells.finish()
         wide = keys >> np.uint64(3 * BITS + 3)
@@ -155,7 +125,7 @@ class CausticMap:
         light = mitsuba.Float(light.astype(np.float32).ravel())
         return replace(grid, keys=mitsuba.UInt64(keys), light=light)
 
-    def irradiance(self, si: Any, active: Any = True) -> Any:
+    def irradiance(self, si: Any, active: Any) -> Any:
         """Return the irradiance at the interaction `si`, Color3f in W·m⁻²."""
         drjit, mitsuba = self.drjit, self.mitsuba
         x, y, z = (drjit.abs(value) for value in si.n)
@@ -193,13 +163,13 @@ class CausticMap:
         return drjit.gather(mitsuba.Color3f, self.light, found, active)
 
     def _place(self, p: Any, n: Any, axis: int) -> tuple[Any, Any, Any, Any]:
-        """Return coordinates across and along `axis`, in cells, and the normal along it."""
+        """Return coordinates across and along `axis`, in cells, and the normal's component."""
         offset = (p - self.origin) / self.side
         across = offset[(axis + 1) % 3], offset[(axis + 2) % 3]
         return *across, offset[axis] / THICKNESS, n[axis]
 
     def _key(self, level: int, axis: Any, facing: Any, cell: Sequence[Any]) -> tuple[Any, Any]:
-        """Return the key of the cell of three whole coordinates, and whether it has any."""
+        """Return the key of the cell at three integer coordinates, and whether it has one."""
         drjit, mitsuba = self.drjit, self.mitsuba
         middle = (1 << (BITS - 1)) // WIDER**level
         head = (level << 3) + 2 * axis + drjit.select(facing < 0, mitsuba.UInt32(1), 0)
@@ -211,7 +181,7 @@ class CausticMap:
         return key, inside
 
     def _deposit(self, cells: PhotonCells, p: Any, n: Any, power: Any, active: Any) -> None:
-        """Add the photons of `power` that arrive at `p` to `cells`, for each axis that it faces."""
+        """Add the photons that arrive at `p` to `cells`, for each axis that the surface faces."""
         drjit, mitsuba = self.drjit, self.mitsuba
         hit = drjit.compress(active)
         if not len(hit):
@@ -222,7 +192,7 @@ class CausticMap:
             *cell, facing = self._place(p, n, axis)
             number = mitsuba.UInt32(axis)
             key, inside = self._key(0, number, facing, [drjit.floor(value) for value in cell])
-            # A cell's surface is larger than its cross-section where it is tilted.
+            # The surface within a cell is larger than the cell's cross-section if it is tilted.
             facing = drjit.abs(facing)
             deposits.append((key, power * facing, inside & (facing > LEAST_FACING)))
         drjit.eval(deposits)
@@ -231,22 +201,20 @@ class CausticMap:
             cells.add(key.numpy()[chosen], value.numpy().T[chosen])
 
 
-def _triangles(mesh: Mesh) -> npt.NDArray[np.float64]:
-    return mesh.positions[mesh.triangles].astype(np.float64)
-
-
-def _media(
-    mitsuba: Any, drjit: Any, mitsuba_scene: Any, items: dict[str, Object]
+def _interiors(
+    mitsuba: Any, drjit: Any, content: Any, items: dict[str, Object]
 ) -> list[tuple[Any, Any, Any]]:
-    """Return each refracting solid's shape, absorption, and what enters of light that passes."""
-    shapes = {shape.id(): shape for shape in mitsuba_scene.shapes()}
+    """Return the shape, σ and 1 − albedo of each refracting solid (see `PhotonPaths`)."""
+    shapes = {shape.id(): shape for shape in content.shapes()}
     missing = sorted(set(items) - set(shapes))
     if missing:
-        raise ValueError(f"the Mitsuba scene has no shape {', '.join(missing)}")
+        raise ValueError(
+            f"the Mitsuba scene has no shape {', '.join(missing)}; export the same scene"
+        )
     color = mitsuba.Color3f
-    media = [
+    interiors = [
         (mitsuba.ShapePtr(shapes[name]), color(*absorption(item)), 1 - color(*item.material.albedo))
         for name, item in items.items()
     ]
-    drjit.make_opaque(media)
-    return media
+    drjit.make_opaque(interiors)
+    return interiors

@@ -1,4 +1,4 @@
-"""The paths of photons: bent by solids, tinted by films, received wherever they arrive."""
+"""The paths of photons: refracted by solids, tinted by films, and received by every film."""
 
 from __future__ import annotations
 
@@ -7,21 +7,22 @@ from dataclasses import dataclass
 from typing import Any
 
 DEPTH = 32
-"""Surfaces that a photon may meet."""
+"""Largest number of surfaces that a photon hits."""
 
 
 @dataclass(frozen=True)
 class PhotonPaths:
-    """What photons meet in a scene.
+    """The surfaces on which photons are traced.
 
     Parameters
     ----------
     mitsuba, drjit : module
         With a variant that is not scalar.
     scene : mitsuba.Scene
-    media : sequence of (mitsuba.ShapePtr, mitsuba.Color3f, mitsuba.Color3f)
-        The refracting solids, the absorption σ inside, m⁻¹, and what their albedo leaves of light
-        that enters. All other surfaces are films, which let light straight through or not at all.
+    solids : sequence of (mitsuba.ShapePtr, mitsuba.Color3f, mitsuba.Color3f)
+        The refracting solids. For each: its shape, the absorption coefficient σ inside, m⁻¹, and
+        1 − albedo, the part of the light that enters. All other surfaces are films, which let light
+        straight through or not at all.
     seeds : sequence of int
         Two for each of `DEPTH` surfaces.
     """
@@ -29,28 +30,28 @@ class PhotonPaths:
     mitsuba: Any
     drjit: Any
     scene: Any
-    media: Sequence[tuple[Any, Any, Any]]
+    solids: Sequence[tuple[Any, Any, Any]]
     seeds: Sequence[int]
 
     def follow(self, ray: Any, power: Any, index: Any) -> Iterator[tuple[Any, Any, Any, Any]]:
-        """Trace photons of `power` along `ray`, surface by surface.
+        """Trace photons, surface by surface.
 
         Parameters
         ----------
         ray : Ray3f
         power : Color3f
-            W.
+            W for each channel.
         index : UInt32
-            Numbers of the photons, from which their random numbers follow.
+            Numbers of the photons. They determine the random numbers.
 
         Yields
         ------
         point, normal : Point3f, Normal3f
-            Where a photon is, and the geometric normal.
+            Where the photons hit a surface, and the geometric normal.
         power : Color3f
-            That arrives there, W.
+            Power that arrives there, W.
         received : Bool
-            Whether that is a film, lit through a solid.
+            Whether the surface is a film and the light has passed a solid.
         """
         drjit, mitsuba = self.drjit, self.mitsuba
         inside = drjit.zeros(mitsuba.Color3f, len(index))
@@ -79,24 +80,24 @@ class PhotonPaths:
             )
 
     def _solid(self, si: Any) -> tuple[Any, Any, Any]:
-        """Return whether `si` is on a solid, σ inside, and what is left of light that enters."""
+        """Return whether `si` is on a solid, σ inside, and the part of the light that enters."""
         solid, color = self.mitsuba.Bool(False), self.mitsuba.Color3f
         sigma, kept = color(0), color(1)
-        for shape, absorbs, leaves in self.media:
+        for shape, absorbs, enters in self.solids:
             here = si.shape == shape
             solid |= here
             sigma = self.drjit.select(here, absorbs, sigma)
-            kept = self.drjit.select(here, leaves, kept)
+            kept = self.drjit.select(here, enters, kept)
         return solid, sigma, kept
 
     def _scatter(self, si: Any, solid: Any, index: Any, depth: int) -> tuple[Any, Any]:
-        """Return the direction in which a photon goes on, and the factor on its power."""
+        """Return the direction in which a photon continues, and the factor on its power."""
         drjit, mitsuba = self.drjit, self.mitsuba
         seeds = [drjit.opaque(mitsuba.UInt32, seed) for seed in self.seeds[2 * depth :][:2]]
         choice = mitsuba.sample_tea_float32(index, seeds[0])
-        # The upper 24 of 32 bits are what a float32 holds.
+        # A float32 holds 24 bits: the upper ones of 32.
         place = [(bits >> 8) * 2.0**-24 for bits in mitsuba.sample_tea_32(index, seeds[1])]
-        # Radiance is squeezed where light enters a solid, power is not.
+        # Importance mode, because refraction changes radiance but not power.
         context = mitsuba.BSDFContext(mitsuba.TransportMode.Importance)
         bsdf = si.bsdf()
         sample, weight = bsdf.sample(context, si, choice, mitsuba.Point2f(*place), solid)

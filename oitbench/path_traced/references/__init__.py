@@ -1,1 +1,1 @@
-"""Path-traced references: stored, cached and checked."""
+"""Path-traced references: stored in files, looked up, rendered and checked."""

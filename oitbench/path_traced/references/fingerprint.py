@@ -1,4 +1,4 @@
-"""A scene's fingerprint: equal for equal pictures, different once any value has changed."""
+"""The fingerprint of a scene: a hash of all values that a picture of it depends on."""
 
 from __future__ import annotations
 
@@ -11,11 +11,14 @@ import numpy as np
 from oitbench.scene import Scene
 
 _DECIMALS = 5
-"""Rounding that forgives what one processor's sine differs from another's."""
+"""Floats are rounded to this, because processors differ in the last digits of sines."""
 
 
 def fingerprint(scene: Scene) -> str:
     """Return the SHA-256 of all values of `scene` except its name, floats rounded to 5 decimals.
+
+    The names of the scene's classes and fields enter the hash, too. Renaming one invalidates all
+    stored references.
 
     Parameters
     ----------
@@ -32,7 +35,7 @@ def fingerprint(scene: Scene) -> str:
 
 
 def _feed(digest: Any, value: Any) -> None:
-    """Add `value` in an unambiguous form: every part is preceded by its type and length."""
+    """Add `value` in an unambiguous form: each part is preceded by its type and its length."""
     if dataclasses.is_dataclass(value) and not isinstance(value, type):
         digest.update(f"<{type(value).__name__}".encode())
         for field in dataclasses.fields(value):
@@ -52,7 +55,7 @@ def _feed(digest: Any, value: Any) -> None:
             digest.update(f"int{array.shape}:".encode())
             digest.update(array.astype("<i8").tobytes())
         else:
-            # Adding zero makes the two zeros one.
+            # Adding zero turns −0 into 0.
             rounded = np.round(array.astype("<f8"), _DECIMALS) + 0.0
             digest.update(f"float{array.shape}:".encode())
             digest.update(rounded.tobytes())

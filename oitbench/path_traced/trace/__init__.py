@@ -1,1 +1,1 @@
-"""Following rays through a scene."""
+"""Integrators that follow rays through an exported scene, and the rendering of whole images."""

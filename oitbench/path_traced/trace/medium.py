@@ -1,6 +1,7 @@
-"""The participating medium of a scene: free paths, transmittance and Henyey & Greenstein's phase.
+"""The participating medium of a scene: free paths, transmittance and the phase function.
 
-The box is met analytically, so a camera may stand in it, and its walls are no surfaces.
+The bounds of the medium are intersected analytically. Its box has no surfaces, so the camera may be
+inside of it.
 """
 
 from __future__ import annotations
@@ -14,8 +15,8 @@ from oitbench.scene import Medium
 
 
 @dataclass(frozen=True, eq=False)
-class Fog:
-    """A medium, for drjit arrays.
+class TracedMedium:
+    """A medium for drjit arrays.
 
     Parameters
     ----------
@@ -24,7 +25,7 @@ class Fog:
     majorant : Float
         Largest extinction anywhere, m⁻¹.
     density : Texture3f or None
-        Relative to where it is largest; None for one everywhere.
+        Density relative to its largest value; None if it is one everywhere.
     """
 
     mitsuba: Any
@@ -34,7 +35,7 @@ class Fog:
     density: Any
 
     @classmethod
-    def build(cls, mitsuba: Any, drjit: Any, medium: Medium) -> Fog:
+    def build(cls, mitsuba: Any, drjit: Any, medium: Medium) -> TracedMedium:
         """Upload `medium`."""
         extinction, density = medium.extinction, None
         if medium.density is not None:
@@ -51,25 +52,45 @@ class Fog:
 
     @property
     def albedo(self) -> Any:
-        """Λ, Color3f."""
+        """Single-scattering albedo Λ, Color3f."""
         return self.mitsuba.Color3f(*map(float, self.medium.albedo))
 
-    def free_path(self, o: Any, d: Any, start: Any, end: Any, rng: Any, active: Any) -> Any:
-        """Return the distance along `d` of the next collision, infinite if it is beyond `end`.
+    def sample_free_path(
+        self, o: Any, d: Any, start: Any, end: Any, rng: Any, active: Any
+    ) -> tuple[Any, Any]:
+        """Sample where light that travels along a line is scattered or absorbed next.
 
-        A varying density is followed by delta tracking (Woodcock et al. 1965).
+        A varying density is sampled by delta tracking (Woodcock et al. 1965).
+
+        Parameters
+        ----------
+        o, d : Point3f, Vector3f
+            Origin and direction of the line.
+        start, end : Float
+            Ends of the line, in metres along it.
+        rng : PCG32
+        active : Bool
+
+        Returns
+        -------
+        at : Float
+            Metres along the line; infinite if the light reaches the end.
+        rng : PCG32
         """
-        near, far = self.within(o, d, start, end)
+        near, far = self.clip(o, d, start, end)
         hit, at, rng = self._collide(o, d, near, far, rng, active)
         return self.drjit.select(hit, at, self.drjit.inf), rng
 
-    def transmittance(self, o: Any, d: Any, start: Any, end: Any, rng: Any, active: Any) -> Any:
-        """Return the part of light that passes, or an estimate of it where density varies.
+    def transmittance(
+        self, o: Any, d: Any, start: Any, end: Any, rng: Any, active: Any
+    ) -> tuple[Any, Any]:
+        """Return the transmittance of a line, and the generator of random numbers.
 
-        The estimate is ratio tracking (Novák et al. 2014).
+        It is exact for a constant density. For a varying one it is an unbiased estimate by ratio
+        tracking (Novák et al. 2014).
         """
         drjit, mitsuba = self.drjit, self.mitsuba
-        near, far = self.within(o, d, start, end)
+        near, far = self.clip(o, d, start, end)
         if self.density is None:
             return drjit.exp(-self.majorant * drjit.maximum(far - near, 0)), rng
 
@@ -84,13 +105,16 @@ class Fog:
         return part, rng
 
     def phase(self, cosine: Any) -> Any:
-        """Return p(θ), sr⁻¹; `cosine` is that between a path's directions before and after."""
+        """Return the phase function of Henyey & Greenstein, sr⁻¹.
+
+        `cosine` is that of the angle between the directions of a path before and after.
+        """
         g = float(self.medium.anisotropy)
         base = self.drjit.maximum(1 + g * g - 2 * g * cosine, 1e-12)
         return (1 - g * g) / (4 * np.pi) / (base * self.drjit.sqrt(base))
 
-    def scattered(self, d: Any, two: Any) -> Any:
-        """Return a direction of the distribution `phase` round the direction `d`."""
+    def sample_phase(self, d: Any, two: Any) -> Any:
+        """Return a random direction, distributed by the phase function around `d`."""
         drjit, mitsuba, g = self.drjit, self.mitsuba, float(self.medium.anisotropy)
         if abs(g) < 1e-3:
             cosine = 1 - 2 * two.x
@@ -105,15 +129,18 @@ class Fog:
 
     @property
     def falloff(self) -> Any:
-        """Rate at which light from within surely becomes fainter, m⁻¹."""
+        """Largest rate, m⁻¹, at which light from within certainly falls off everywhere."""
         return self.majorant if self.density is None else self.mitsuba.Float(0)
 
     def extinction(self, p: Any, active: Any) -> Any:
-        """Return σ_t at a point of the box, m⁻¹."""
+        """Return σ_t at a point inside the box, m⁻¹."""
         return self.majorant if self.density is None else self.majorant * self._relative(p, active)
 
-    def within(self, o: Any, d: Any, start: Any, end: Any) -> tuple[Any, Any]:
-        """Return where the line from `start` to `end` enters and leaves the box."""
+    def clip(self, o: Any, d: Any, start: Any, end: Any) -> tuple[Any, Any]:
+        """Return the ends of the part of a line that is inside the box, in metres along it.
+
+        The line does not cross the box if the second is not greater than the first.
+        """
         drjit, mitsuba = self.drjit, self.mitsuba
         low, high = (
             drjit.opaque(mitsuba.Point3f, [float(x) for x in corner])
@@ -144,6 +171,7 @@ class Fog:
         return hit, at, rng
 
     def _relative(self, p: Any, active: Any) -> Any:
+        """Return the density at a point, relative to its largest value."""
         low, high = np.asarray(self.medium.low), np.asarray(self.medium.high)
         scale = self.mitsuba.Vector3f(*map(float, 1 / (high - low)))
         place = (p - self.mitsuba.Point3f(*map(float, low))) * scale

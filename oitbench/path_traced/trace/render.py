@@ -1,8 +1,7 @@
-"""Path tracing with a box filter, no denoiser, and rays through fixed sub-pixel positions."""
+"""Path-traced images: rays through fixed sub-pixel positions, a box filter and no denoiser."""
 
 from __future__ import annotations
 
-import importlib
 from collections.abc import Callable
 from dataclasses import dataclass
 from types import ModuleType
@@ -11,29 +10,21 @@ from typing import Any
 import numpy as np
 
 from oitbench.effects import Effect
-from oitbench.errors import CapabilityError, SceneError, UsageError
+from oitbench.errors import SceneError, UsageError
 from oitbench.image.files import Image, box_downsample
 from oitbench.path_traced import llvm
-from oitbench.path_traced.export.scene import export, export_with_textures, layout
 from oitbench.path_traced.export.view import View
-from oitbench.path_traced.photons.map import CausticMap
-from oitbench.path_traced.trace.integrators import Integrator, make_straight, make_volpath, trace
-from oitbench.path_traced.trace.surfaces import Surfaces
-from oitbench.path_traced.trace.walk import Walk, is_random, is_straight
+from oitbench.path_traced.trace.integrators import Integrator, prepare, trace
+from oitbench.path_traced.trace.path_tracer import is_random
 from oitbench.scene import Scene
 
 Progress = Callable[[int, int], None]
-"""Called with the number of finished and of all samples."""
+"""Called with the number of finished samples and the number of all samples."""
 
 _CHUNK = 1 << 18
-"""Rays traced at once: some hundred bytes each, so that memory stays far below 1 GB."""
-
-
+"""Rays that are traced at once. Each needs some hundred bytes, so memory stays far below 1 GB."""
 _MAPS = 16
-"""Caustic maps that a picture is averaged over, if it has as many samples."""
-_PHOTONS = 4
-"""Of each map, for each sub-pixel; so a map's cells are about as large as a pixel."""
-_FEWEST_PHOTONS = 1 << 14
+"""Caustic maps over which an image is averaged, if it has that many samples."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,7 +38,8 @@ class Estimate:
     variance : array, shape (h, w, 3), float32
         Variance of that mean.
     halves : pair of array, shape (h, w, 3), float32
-        Means of the even and the odd samples; how they differ is the noise floor.
+        Means of the even and of the odd samples; with caustics, of the samples of the even and of
+        the odd caustic maps. Their difference is the noise floor.
     spp : int
         Samples that were taken for each sub-pixel.
     """
@@ -66,9 +58,8 @@ def render(
     seed: int = 1,
     progress: Progress | None = None,
     variant: str | None = None,
-    volpath: bool = False,
 ) -> Estimate:
-    """Path-trace `scene`.
+    """Path-trace a scene.
 
     Parameters
     ----------
@@ -76,16 +67,16 @@ def render(
     size : (int, int)
         Width and height in pixels.
     ssaa : int
-        Rays go through the centers of ssaa × ssaa sub-pixels of each pixel, where GL samples too.
+        Side of the sub-pixel grid. Rays pass through the centers of ssaa × ssaa sub-pixels of each
+        pixel, where OpenGL samples, too.
     spp : int
-        Samples for each sub-pixel, at least two. A single one is taken where no random number is
-        drawn, so all would be equal.
+        Samples for each sub-pixel, at least 2. Scenes that need no random numbers get a single
+        sample, because all samples would be equal.
     seed : int
     progress : callable, optional
+        See `Progress`.
     variant : str, optional
-        Mitsuba's variant; the fastest that works without.
-    volpath : bool
-        Use Mitsuba's own integrator, to check the straight one against.
+        Mitsuba's variant. Default: the fastest that works.
 
     Returns
     -------
@@ -94,17 +85,17 @@ def render(
     Raises
     ------
     UsageError
-        For a size, `ssaa` or `spp` that is too small.
+        If a side, `ssaa` or `spp` is too small.
     CapabilityError
-        If the scene has what this version cannot trace, or Mitsuba is not installed.
+        If the scene cannot be path traced, or Mitsuba is not installed.
     SceneError
         If the radiance of a ray is not finite.
     """
     _check(size, ssaa, spp)
     mitsuba = llvm.load(variant)
     view = View(scene.camera, size[0] * ssaa, size[1] * ssaa)
-    exported, make = _prepare(scene, view, mitsuba, seed, volpath)
-    samples = spp if volpath or is_random(scene) else 1
+    content, make = prepare(scene, view, mitsuba, seed)
+    samples = spp if is_random(scene) else 1
     shared = -(-samples // _MAPS) if Effect.CAUSTICS in scene.effects else 1
     statistics = _Statistics()
     for first in range(0, samples, shared):
@@ -112,10 +103,13 @@ def render(
         total: Any = 0.0
         last = min(first + shared, samples)
         for sample in range(first, last):
-            image = _sample(mitsuba, integrator, exported, view, (seed, sample))
+            image = _sample(mitsuba, integrator, content, view, (seed, sample))
             broken = int((~np.isfinite(image)).any(axis=-1).sum())
             if broken:
-                raise SceneError(f"scene {scene.name}: {broken} path-traced rays are not finite")
+                raise SceneError(
+                    f"scene {scene.name}: the radiance of {broken} path-traced rays is not finite; "
+                    "check its materials and lights for extreme values"
+                )
             total = total + box_downsample(image, ssaa)
             if progress is not None:
                 progress(sample + 1, samples)
@@ -124,7 +118,7 @@ def render(
 
 
 def _sample(
-    mitsuba: ModuleType, integrator: Integrator, exported: Any, view: View, key: tuple[int, int]
+    mitsuba: ModuleType, integrator: Integrator, content: Any, view: View, key: tuple[int, int]
 ) -> Image:
     """Return one sample of each sub-pixel, shape (h, w, 3)."""
     count = view.width * view.height
@@ -133,35 +127,8 @@ def _sample(
         last = min(first + _CHUNK, count)
         state = int(np.random.SeedSequence((*key, number)).generate_state(1)[0])
         rays = view.rays(first, last)
-        image[first:last] = trace(mitsuba, integrator, exported, rays, state)
+        image[first:last] = trace(mitsuba, integrator, content, rays, state)
     return image.reshape(view.height, view.width, 3)
-
-
-def _prepare(
-    scene: Scene, view: View, mitsuba: ModuleType, seed: int, volpath: bool
-) -> tuple[Any, Callable[[int], Integrator]]:
-    """Return the Mitsuba scene, and what makes an integrator for the samples from a given one."""
-    if volpath or is_straight(scene):
-        integrator = make_volpath(mitsuba) if volpath else make_straight(mitsuba)
-        return export(scene, view, mitsuba), lambda sample: integrator
-    if mitsuba.variant().startswith("scalar"):
-        raise CapabilityError(
-            f"scene {scene.name}: light that is scattered is path traced with LLVM only; "
-            f"{llvm.MEND}"
-        )
-    drjit = importlib.import_module("drjit")
-    exported, textures = export_with_textures(scene, view, mitsuba)
-    surfaces = Surfaces.build(mitsuba, drjit, view, exported, layout(scene), textures)
-    photons = max(_FEWEST_PHOTONS, _PHOTONS * view.width * view.height)
-
-    def make(sample: int) -> Integrator:
-        caustics = None
-        if Effect.CAUSTICS in scene.effects:
-            state = int(np.random.SeedSequence((seed, sample)).generate_state(1)[0])
-            caustics = CausticMap.build(mitsuba, drjit, exported, scene, photons, state)
-        return Walk(mitsuba, scene, surfaces, caustics)
-
-    return exported, make
 
 
 def _check(size: tuple[int, int], ssaa: int, spp: int) -> None:

@@ -1,145 +1,54 @@
-"""All surfaces of an exported scene as tables, so that a ray's hit looks its material up.
+"""All surfaces of an exported scene as tables, in which a hit looks up its material.
 
-Whatever the number of shapes, each face has a number of its own: its place in the list of all faces
-in the order of `exporter.layout`.
+Each face has a number, whatever shape it belongs to: its place in the list of all faces, in the
+order of `export.shapes.layout`.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from oitbench.path_traced.export.film import LIGHT, FilteredTexture
+from oitbench.path_traced.export.film import LIGHT
+from oitbench.path_traced.export.scene import ExportedScene
+from oitbench.path_traced.export.texture import FilteredTexture
 from oitbench.path_traced.export.view import View
-from oitbench.path_traced.photons.map import absorption
-from oitbench.path_traced.trace.reflection import interface_roughness, schlick, spread
+from oitbench.path_traced.optics.materials import absorption, interface_roughness, spread
+from oitbench.path_traced.optics.reflection import schlick
+from oitbench.path_traced.trace.hits import STEP, Hit, Layer, Line
 from oitbench.scene import BLACK, Object, Texture
-
-STEP = 6e-7
-"""Advance beyond a hit, relative to the magnitudes added up there: five float32 roundings."""
-
-
-NOWHERE = 0xFFFFFFFF
-"""The number of no face."""
-
-
-@dataclass
-class Line:
-    """A straight part of a path: where it starts, its direction, and how far it is explored.
-
-    Parameters
-    ----------
-    o : Point3f
-    d : Vector3f
-    along : Float
-        Metres that lie behind.
-    known : UInt32
-        Face that was met last and is not met again.
-    """
-
-    o: Any
-    d: Any
-    along: Any
-    known: Any
-
-    def where(self, drjit: Any, mask: Any, other: Line) -> Line:
-        """Return this line where `mask` is set, `other` elsewhere."""
-        return Line(
-            drjit.select(mask, self.o, other.o),
-            drjit.select(mask, self.d, other.d),
-            drjit.select(mask, self.along, other.along),
-            drjit.select(mask, self.known, other.known),
-        )
-
-
-@dataclass
-class Hit:
-    """What a line meets next.
-
-    Parameters
-    ----------
-    valid : Bool
-    fresh : Bool
-        Whether it is a surface that counts: drawn, and not met before.
-    at : Float
-        Distance along the line; infinite where nothing is.
-    beyond : Float
-        From where to go on.
-    face : UInt32
-    si : SurfaceInteraction3f
-    n : Vector3f
-        Shading normal, on the side that the line comes from.
-    outside : Bool
-        Whether that is the front.
-    layer : Layer
-    """
-
-    valid: Any
-    fresh: Any
-    at: Any
-    beyond: Any
-    face: Any
-    si: Any
-    n: Any
-    outside: Any
-    layer: Layer
-
-
-@dataclass
-class Layer:
-    """The material at a hit; `light` is α·L, `fresnel` F(cos) and `spread` the radius of slopes."""
-
-    coverage: Any
-    light: Any
-    transmission: Any
-    albedo: Any
-    fresnel: Any
-    reflectance: Any
-    roughness: Any
-    isotropic: Any
-    refracts: Any
-    index: Any
-    facets: Any
-    absorption: Any
-    spread: Any
-
-    @property
-    def passing(self) -> Any:
-        """T (1 − F)(1 − albedo): what passes where the surface is."""
-        return self.transmission * (1 - self.albedo) * (1 - self.fresnel)
 
 
 @dataclass(frozen=True, eq=False)
 class Surfaces:
-    """Tables by object, and which object each face belongs to.
+    """Tables of materials by object, and the object of each face.
 
     Parameters
     ----------
     mitsuba, drjit : module
         With an LLVM or CUDA variant set.
-    exported : mitsuba.Scene
+    content : mitsuba.Scene
     view : View
         For the far plane, beyond which nothing is drawn.
     offsets : UInt32
         Number of the first face of each shape, by Mitsuba's number of the shape.
     rows : UInt32
         Number of the object of each face.
-    tables : mapping
-        Values by object.
+    tables : dict of str to Float
+        One column of values for each property, by object.
     textures : list of (int, FilteredTexture)
-        By the number of the shape in the layout.
+        By the place of the shape in the layout.
     has : frozenset of str
-        Columns that are not zero everywhere; the others cost nothing.
+        Columns that are not zero everywhere. The others are not looked up and cost nothing.
     """
 
     mitsuba: Any
     drjit: Any
-    exported: Any
+    content: Any
     view: View
     offsets: Any
     rows: Any
@@ -148,49 +57,45 @@ class Surfaces:
     has: frozenset[str]
 
     @classmethod
-    def build(
-        cls,
-        mitsuba: Any,
-        drjit: Any,
-        view: View,
-        exported: Any,
-        layout: Mapping[str, Sequence[Object]],
-        textures: Mapping[str, FilteredTexture],
-    ) -> Surfaces:
-        """Upload the objects of `layout`, which are listed by the id of their shape."""
+    def build(cls, mitsuba: Any, drjit: Any, view: View, exported: ExportedScene) -> Surfaces:
+        """Upload the materials of all objects."""
         numbers = {
             shape.id(): int(
                 drjit.reinterpret_array(mitsuba.UInt32, mitsuba.ShapePtr(shape)).numpy()[0]
             )
-            for shape in exported.shapes()
+            for shape in exported.content.shapes()
         }
         offsets = np.zeros(max(numbers.values()) + 1, dtype=np.uint32)
         faces: list[int] = []
         columns: list[dict[str, npt.NDArray[np.float32]]] = []
-        for place, (name, group) in enumerate(layout.items()):
+        textures: list[tuple[int, FilteredTexture]] = []
+        for place, (name, group) in enumerate(exported.groups.items()):
             offsets[numbers[name]] = sum(faces)
+            textured = name in exported.textures
+            if textured:
+                textures.append((place, exported.textures[name]))
             for item in group:
                 faces.append(len(item.mesh.triangles))
-                columns.append(_column(item, place if name in textures else -1))
+                columns.append(_values(item, place if textured else -1))
         tables = {name: np.stack([column[name] for column in columns]) for name in columns[0]}
         return cls(
             mitsuba,
             drjit,
-            exported,
+            exported.content,
             view,
             mitsuba.UInt32(offsets),
             mitsuba.UInt32(np.repeat(np.arange(len(faces), dtype=np.uint32), faces)),
             {name: mitsuba.Float(values.ravel()) for name, values in tables.items()},
-            [(place, textures[name]) for place, name in enumerate(layout) if name in textures],
+            textures,
             frozenset(name for name, values in tables.items() if values.any()),
         )
 
-    def meet(self, line: Line, active: Any, limit: Any = math.inf) -> Hit:
-        """Return what `line` meets next, before `limit` metres along it."""
+    def intersect(self, line: Line, active: Any, limit: Any = math.inf) -> Hit:
+        """Return the next hit of `line`, before `limit` metres along it."""
         mitsuba, drjit = self.mitsuba, self.drjit
         start = mitsuba.Ray3f(line.o + line.d * line.along, line.d)
         start.maxt = drjit.maximum(limit - line.along, 0)
-        ahead = self.exported.ray_intersect_preliminary(start, False, active)
+        ahead = self.content.ray_intersect_preliminary(start, False, active)
         valid = active & ahead.is_valid()
         si = ahead.compute_surface_interaction(start, active=valid)
         si.wi = -line.d
@@ -201,35 +106,16 @@ class Surfaces:
         outside = drjit.dot(si.n, line.d) < 0
         n = mitsuba.Vector3f(si.sh_frame.n)
         n = drjit.select(drjit.dot(n, line.d) < 0, n, -n)
-        # A line crosses a triangle once; a second hit is the first one's rounding error.
-        fresh = valid & (face != line.known) & self._drawn(si)
+        # A line crosses a triangle once. A second hit is a rounding error of the first one.
+        fresh = valid & (face != line.known) & self.view.before_far_plane(mitsuba, drjit, si.p)
         layer = self._layer(si, face, -drjit.dot(n, line.d), fresh)
         at = drjit.select(valid, reach, drjit.inf)
         return Hit(valid, fresh, at, beyond, face, si, n, outside, layer)
 
-    def onward(self, line: Line, hit: Hit, active: Any) -> Line:
-        """Return `line` explored up to beyond `hit`, where `active`."""
-        drjit = self.drjit
-        return Line(line.o, line.d, hit.beyond, hit.face).where(drjit, active, line)
-
-    def turned(self, line: Line, hit: Hit, d: Any, active: Any) -> Line:
-        """Return the line from `hit` in the direction `d` where `active`, `line` elsewhere."""
-        drjit = self.drjit
-        start = STEP * drjit.max(drjit.abs(hit.si.p))
-        return Line(hit.si.p, d, start, hit.face).where(drjit, active, line)
-
-    def _drawn(self, si: Any) -> Any:
-        camera = self.view.camera
-        if math.isinf(camera.far):
-            return self.mitsuba.Bool(True)
-        back = self.mitsuba.Vector3f(*map(float, camera.axes[2]))
-        offset = si.p - self.mitsuba.Point3f(*map(float, camera.position))
-        return -self.drjit.dot(offset, back) <= camera.far
-
     def _layer(self, si: Any, face: Any, cosine: Any, active: Any) -> Layer:
         row = self.drjit.gather(self.mitsuba.UInt32, self.rows, face, active)
         color, number = self._color, self._number
-        coverage, light = self._picture(si, row, active)
+        coverage, light = self._coverage_and_light(si, row, active)
         reflectance = number("reflectance", row, active)
         fresnel = self.mitsuba.Float(0)
         if "reflectance" in self.has:
@@ -250,8 +136,8 @@ class Surfaces:
             spread=number("spread", row, active),
         )
 
-    def _picture(self, si: Any, row: Any, active: Any) -> tuple[Any, Any]:
-        """Return coverage and α·L."""
+    def _coverage_and_light(self, si: Any, row: Any, active: Any) -> tuple[Any, Any]:
+        """Return α and α·L, which a texture may give."""
         drjit, mitsuba = self.drjit, self.mitsuba
         coverage = self._number("coverage", row, active)
         light = mitsuba.Color3f(0)
@@ -275,8 +161,11 @@ class Surfaces:
         return self.drjit.gather(self.mitsuba.Color3f, self.tables[name], row, active)
 
 
-def _column(item: Object, texture: int) -> dict[str, npt.NDArray[np.float32]]:
-    """Return all values of an object; what does not apply to it is zero."""
+def _values(item: Object, texture: int) -> dict[str, npt.NDArray[np.float32]]:
+    """Return the properties of an object by column; properties that do not apply are zero.
+
+    `texture` is the place of its textured shape in the layout, or −1.
+    """
     material = item.material
     refracts = material.refracts and not material.opaque
     sheet = not refracts and not material.opaque

@@ -1,8 +1,9 @@
-"""Where a beam's photons start: the parts of its light plane that hold something to hit.
+"""The photons that a beam emits toward its targets, the refracting solids.
 
-A beam sees the scene by a parallel or a central projection onto a plane. Of a grid on that plane,
-the cells that a target's triangles may touch are kept, and every cell gets the same number of
-photons: no photon is counted twice, few miss, and all targets together are covered.
+The scene is projected onto a plane in front of the light: in parallel for a directional light,
+centrally for a spot light. The cells of a grid on this plane that a target's triangles may touch
+are kept, and each of them gets the same number of photons. All targets are thus covered, few
+photons miss them, and none is counted twice.
 """
 
 from __future__ import annotations
@@ -19,19 +20,20 @@ from oitbench.scene import PENUMBRA, DirectionalLight, SpotLight
 Floats = npt.NDArray[np.float64]
 
 CELLS = 256
-"""Most cells on the longer side of the grid."""
+"""Largest number of cells on the longer side of the grid."""
 PHOTONS_PER_CELL = 64
-"""Few photons get a coarser grid, rather than fewer than these, which a cell spreads evenly."""
+"""Least number of photons for each cell, which are spread evenly over it. With few photons, the
+grid is coarser instead."""
 NEAREST = 1e-3
-"""Metres before a spot light; a triangle that comes nearer may cover all of its cone."""
+"""Metres in front of a spot light. A triangle that is closer may cover the whole cone."""
 ADDENDS = (3242174889, 2447445413)
-"""2³² / p and 2³² / p², p³ = p + 1: the sequence R₂ of Roberts 2018, "The Unreasonable
+"""2³² / p and 2³² / p² with p³ = p + 1: the sequence R₂ of Roberts 2018, "The Unreasonable
 Effectiveness of Quasirandom Sequences"."""
 
 
 @dataclass(frozen=True, eq=False)
-class Aim:
-    """Photons of one beam.
+class Emission:
+    """The photons of one beam.
 
     Parameters
     ----------
@@ -39,18 +41,17 @@ class Aim:
     axes : array, shape (3, 3)
         Unit right, up and forward vectors of the light as rows.
     origin : array, shape (3,)
-        Metres: the spot light, or a point on a plane before the whole scene.
+        Metres. The position of a spot light, or a point on a plane in front of the whole scene.
     low : array, shape (2,)
-        Corner of the grid. Coordinates are metres for a parallel projection, and tangents for a
-        central one.
+        Corner of the grid: in metres for a parallel projection, as tangents for a central one.
     side : float
-        Side of a cell.
+        Side of a cell, in the same unit.
     cells : array, shape (k, 2), uint32
         Column and row of the cells that are kept.
     photons : int
-        For each cell.
+        Number of photons for each cell.
     distance : float
-        Mean metres of the targets before the light; 1 for a parallel projection.
+        Mean distance of the targets from a spot light in metres; 1 for a parallel projection.
     """
 
     light: DirectionalLight | SpotLight
@@ -63,17 +64,29 @@ class Aim:
     distance: float
 
     @classmethod
-    def at(
+    def toward(
         cls,
         light: DirectionalLight | SpotLight,
         triangles: Floats,
         count: int,
         bounds: tuple[Floats, Floats],
-    ) -> Aim | None:
-        """Return about `count` photons toward `triangles`, shape (n, 3, 3).
+    ) -> Emission | None:
+        """Aim about `count` photons at triangles.
 
-        `bounds` are the corners of the scene's box, outside of which a directional light starts.
-        None if all triangles are beside the cone of a spot light.
+        Parameters
+        ----------
+        light : DirectionalLight or SpotLight
+        triangles : array, shape (n, 3, 3)
+            Corners in metres.
+        count : int
+        bounds : (array, array)
+            Lowest and highest corner of the scene's bounding box. The photons of a directional
+            light start outside of it.
+
+        Returns
+        -------
+        Emission or None
+            None if all triangles are outside of the cone of a spot light.
         """
         if isinstance(light, DirectionalLight):
             axes = _axes(light.direction)
@@ -94,7 +107,7 @@ class Aim:
 
     @property
     def count(self) -> int:
-        """Number of all photons."""
+        """Total number of photons."""
         return len(self.cells) * self.photons
 
     @property
@@ -103,14 +116,29 @@ class Aim:
         return len(self.cells) * (self.side * self.distance) ** 2
 
     def emit(self, mitsuba: Any, drjit: Any, number: Any, seed: int) -> tuple[Any, Any]:
-        """Return the rays and powers, W per channel, of the photons `number`, UInt32."""
+        """Return the rays and the powers of photons.
+
+        Parameters
+        ----------
+        mitsuba, drjit : module
+            With a variant that is not scalar.
+        number : UInt32
+            Numbers of the photons, below `count`.
+        seed : int
+
+        Returns
+        -------
+        rays : Ray3f
+        power : Color3f
+            W for each channel.
+        """
         photons = drjit.opaque(mitsuba.UInt32, self.photons)
         cell = number // photons
         order = number - cell * photons
         shifts = mitsuba.sample_tea_32(cell, drjit.opaque(mitsuba.UInt32, seed))
         places = drjit.gather(mitsuba.Point2u, mitsuba.UInt32(self.cells.ravel()), cell)
         x, y = (
-            # The upper 24 of 32 bits are what a float32 holds.
+            # A float32 holds 24 bits: the upper ones of 32.
             drjit.opaque(mitsuba.Float, low)
             + (place + ((order * addend + shift) >> 8) * (2.0**-24))
             * drjit.opaque(mitsuba.Float, self.side)
@@ -130,7 +158,7 @@ class Aim:
         half = drjit.opaque(mitsuba.Float, light.angle / 2)
         faded = (half - drjit.acos(drjit.minimum(cosine, 1))) / (PENUMBRA * half)
         ray = mitsuba.Ray3f(origin, (right * x + up * y + forward) * cosine)
-        # A part dA of the plane at distance 1 is seen under the solid angle cos³ dA.
+        # An area dA of the plane at distance 1 subtends the solid angle cos³ dA.
         return ray, power * drjit.clip(faded, 0, 1) * cosine * cosine * cosine
 
 
@@ -143,7 +171,7 @@ def _axes(direction: npt.ArrayLike) -> Floats:
 
 
 def _outside(axes: Floats, bounds: tuple[Floats, Floats]) -> Floats:
-    """Return a point on the plane that all of the box lies behind, one diagonal away from it."""
+    """Return a point 1.5 diagonals of the box in front of its center, toward the light."""
     low, high = bounds
     middle, reach = (low + high) / 2, float(np.linalg.norm(high - low))
     return np.asarray(middle - 1.5 * reach * axes[2])
@@ -154,7 +182,7 @@ def _side(count: int) -> int:
 
 
 def _central(local: Floats, widest: float) -> tuple[Floats, Floats]:
-    """Return the triangles' rectangles in a central projection, cut off at tangents ± `widest`."""
+    """Return the bounds of triangles in a central projection, clipped to tangents of ± `widest`."""
     local = local[local[..., 2].max(axis=1) > 0]
     depth = local[..., 2]
     near = depth.min(axis=1, keepdims=True) < NEAREST
@@ -166,13 +194,13 @@ def _central(local: Floats, widest: float) -> tuple[Floats, Floats]:
 
 
 def _cover(low: Floats, high: Floats, most: int) -> tuple[Floats, float, npt.NDArray[np.uint32]]:
-    """Return a grid's corner and cell size, and those of its cells that a rectangle touches."""
+    """Return the corner and the cell size of a grid, and the cells that rectangles touch."""
     start = low.min(axis=0)
     side = float((high.max(axis=0) - start).max()) / most
-    # Clipped, as the far edge may be rounded into the next cell.
+    # Clipped, because the far edge may be rounded into the next cell.
     first = np.clip(((low - start) / side).astype(np.int64), 0, most - 1)
     last = np.clip(((high - start) / side).astype(np.int64), 0, most - 1) + 1
-    # Two-dimensional differences of the number of rectangles over a cell.
+    # The two-dimensional differences of the number of rectangles that cover a cell.
     steps = np.zeros((most + 1, most + 1), dtype=np.int64)
     np.add.at(steps, (first[:, 0], first[:, 1]), 1)
     np.add.at(steps, (last[:, 0], last[:, 1]), 1)

@@ -1,52 +1,23 @@
-"""How surfaces reflect and refract, for drjit arrays; shading in GL uses the same formulas.
+"""Reflection and refraction at a surface, for drjit arrays; the OpenGL shading uses equal formulas.
 
-Vectors are unit; `n` is on the side of `v`, which points to the eye, or to where a path came from.
+All vectors are unit vectors. `v` points from the surface to where the path came from, which is the
+eye for the first surface. `n` is the normal on the side of `v`.
 """
 
 from __future__ import annotations
 
 from typing import Any
 
-from oitbench.scene import Material
-
-HALF_SPREAD = 0.25
-"""Metres behind a sheet of collimation 0 … (k₀ and k₁ of McGuire & Mara 2017, equation 7)"""
-SPREAD_DISTANCE = 0.5
-"""… over which the disk that a point is spread to grows by that radius."""
-LEAST_BEND = 0.02
-"""Least N − 1 for which the roughness of an interface is still derived from its collimation."""
-
-
-def spread(collimation: float) -> float:
-    """Return the radius, as a slope, of the uniform disk of directions that a sheet spreads to.
-
-    Equation 7 blurs what lies Δz behind a layer by a radius of k₀ (1 − c) (1 − k₁/(k₁ + Δz)) at
-    the layer's distance, which grows as k₀ (1 − c) Δz / k₁ from contact on.
-    """
-    return HALF_SPREAD / SPREAD_DISTANCE * (1 - collimation)
-
-
-def interface_roughness(material: Material) -> float:
-    """Return α of the Beckmann microfacets of a solid's surface; 0 for a smooth one.
-
-    A facet tilted by a slope m turns light by (N − 1) m, and α²/2 is the variance of m along an
-    axis. Entering and leaving thus spread by (N − 1)² α², which is set to the variance along an
-    axis of a sheet's disk of radius R, R²/4.
-    """
-    if material.collimation == 1:
-        return 0.0
-    return min(1.0, spread(material.collimation) / 2 / max(material.index - 1, LEAST_BEND))
-
 
 def schlick(drjit: Any, reflectance: Any, cosine: Any) -> Any:
-    """Return Fresnel's reflectance (Schlick 1994); zero where none is at normal incidence."""
+    """Return the Fresnel reflectance (Schlick 1994); zero where `reflectance`, F₀, is zero."""
     away = 1 - drjit.clip(cosine, 0, 1)
     fifth = drjit.square(drjit.square(away)) * away
     return drjit.select(reflectance > 0, reflectance + (1 - reflectance) * fifth, 0)
 
 
 def microfacets(drjit: Any, reflectance: Any, roughness: Any, n: Any, v: Any, toward: Any) -> Any:
-    """Return the microfacet lobe times its cosine, sr⁻¹ (GGX; Walter et al. 2007)."""
+    """Return the microfacet lobe times the cosine of `toward`, sr⁻¹ (GGX; Walter et al. 2007)."""
     a2 = drjit.square(drjit.square(roughness))
     nl, nv = drjit.dot(n, toward), drjit.maximum(drjit.dot(n, v), 1e-4)
     half = drjit.normalize(toward + v)
@@ -59,11 +30,11 @@ def microfacets(drjit: Any, reflectance: Any, roughness: Any, n: Any, v: Any, to
     return drjit.select((a2 > 0) & (reflectance > 0) & (nl > 0), lobe, 0)
 
 
-def reflected(mitsuba: Any, drjit: Any, roughness: Any, n: Any, v: Any, two: Any) -> Any:
-    """Return a direction of the microfacet lobe round the mirrored one.
+def sample_reflection(mitsuba: Any, drjit: Any, roughness: Any, n: Any, v: Any, two: Any) -> Any:
+    """Return a random direction of the microfacet lobe; the mirror direction at roughness 0.
 
-    The lobe keeps all light, as what it takes is what transmission loses: directions that would
-    leave below the surface are turned up.
+    A direction that would leave below the surface is turned up. The lobe thus keeps all of its
+    light, which is the light that transmission loses.
     """
     frame = mitsuba.Frame3f(n)
     local = frame.to_local(v)
@@ -76,39 +47,40 @@ def reflected(mitsuba: Any, drjit: Any, roughness: Any, n: Any, v: Any, two: Any
     return drjit.normalize(frame.to_world(mitsuba.Vector3f(out.x, out.y, drjit.abs(out.z))))
 
 
-def scattered(mitsuba: Any, drjit: Any, radius: Any, d: Any, two: Any) -> Any:
-    """Return a direction of the uniform disk of slopes of `radius` round the direction `d`."""
+def sample_spread(mitsuba: Any, drjit: Any, radius: Any, d: Any, two: Any) -> Any:
+    """Return a random direction of the uniform disk of slopes of `radius` around `d`."""
     frame = mitsuba.Frame3f(d)
     slope = radius * mitsuba.warp.square_to_uniform_disk_concentric(two)
     return drjit.normalize(d + frame.s * slope.x + frame.t * slope.y)
 
 
-def interface(
+def sample_interface(
     mitsuba: Any, drjit: Any, index: Any, alpha: Any, outward: Any, v: Any, one: Any, two: Any
 ) -> tuple[Any, Any, Any]:
-    """Reflect or refract at the boundary of a solid, whichever Fresnel's equations choose.
+    """Reflect or refract at the boundary of a solid, chosen by the Fresnel equations.
 
     Parameters
     ----------
     mitsuba, drjit : module
     index : Float
-        N inside.
+        Refractive index N inside.
     alpha : Float
-        Of Beckmann microfacets; 0 for a smooth surface.
+        Roughness of the Beckmann microfacets; 0 for a smooth surface.
     outward : Vector3f
-        Normal.
+        Normal that points out of the solid.
     v : Vector3f
-        To where the path came from, on either side.
+        Direction to where the path came from, on either side.
     one, two : Float, Point2f
-        Random numbers.
+        Random numbers in [0, 1).
 
     Returns
     -------
     direction : Vector3f
     weight : Float
-        Factor on radiance, which is squeezed where it enters.
+        Factor on radiance. It includes the squared ratio of the refractive indices, by which
+        radiance changes where a path is refracted.
     passed : Bool
-        Whether the direction is that of refraction.
+        Whether the direction is the refracted one.
     """
     frame = mitsuba.Frame3f(outward)
     local = frame.to_local(v)

@@ -1,8 +1,12 @@
-"""The lights of a scene for drjit arrays: beams, and radiance from all around."""
+"""The lights of a scene for drjit arrays: beams (directional and spot lights), and the environment.
+
+Photons leave beams by `photons.emission`; a new kind of light needs both.
+"""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,21 +15,25 @@ import numpy as np
 from oitbench.scene import PENUMBRA, Array, DirectionalLight, Scene, SpotLight, Texture
 
 LEAST_SIDE = 4
-"""Texels of a map that directions are chosen from."""
+"""Least number of texels along a side of the map by which directions are sampled."""
 LEAST_FALLOFF = 0.01
-"""Of the logarithm of a density over a line; below that its normalization would be rounded."""
+"""Least change of the logarithm of an exponential density over a line. Below it, rounding would
+spoil the normalization."""
 
 
 @dataclass(frozen=True, eq=False)
-class Beam:
-    """A light that throws shadows."""
+class TracedBeam:
+    """A directional or spot light."""
 
     mitsuba: Any
     drjit: Any
     light: DirectionalLight | SpotLight
 
     def toward(self, p: Any) -> tuple[Any, Any, Any]:
-        """Return the unit vector from `p` to the light, its distance in metres, and E at `p`."""
+        """Return the unit vector from `p` to the light, its distance in metres, and E at `p`.
+
+        E is the irradiance on a surface at `p` that faces the light, without shadows.
+        """
         mitsuba, drjit, light = self.mitsuba, self.drjit, self.light
         if isinstance(light, DirectionalLight):
             back = -np.asarray(light.direction, dtype=np.float64)
@@ -41,12 +49,32 @@ class Beam:
         falloff = drjit.clip((half - drjit.safe_acos(cosine)) / (PENUMBRA * half), 0, 1)
         return toward, drjit.sqrt(squared), self._color(light.intensity) * (falloff / squared)
 
-    def place(self, o: Any, d: Any, near: Any, far: Any, falloff: Any, one: Any) -> tuple[Any, Any]:
-        """Return a distance along a line to look for this light from, and its density, m⁻¹.
+    def sample_distance(
+        self, o: Any, d: Any, near: Any, far: Any, falloff: Any, one: Any
+    ) -> tuple[Any, Any]:
+        """Sample a point of a line at which a medium may scatter this light.
 
-        For a spot light, equal angles are equally probable (Kulla & Fajardo 2012, "Importance
-        sampling techniques for path tracing in participating media"); for a directional one the
-        density falls off exponentially.
+        For a spot light, equal angles seen from the light are equally probable (Kulla & Fajardo
+        2012, "Importance sampling techniques for path tracing in participating media"). For a
+        directional light, the density falls off exponentially.
+
+        Parameters
+        ----------
+        o, d : Point3f, Vector3f
+            Origin and direction of the line.
+        near, far : Float
+            Ends of the line, in metres along it.
+        falloff : Float
+            Rate of the exponential density, m⁻¹.
+        one : Float
+            Random number in [0, 1).
+
+        Returns
+        -------
+        at : Float
+            Metres along the line.
+        density : Float
+            Probability density, m⁻¹.
         """
         mitsuba, drjit, light = self.mitsuba, self.drjit, self.light
         if isinstance(light, DirectionalLight):
@@ -68,21 +96,22 @@ class Beam:
 
 
 @dataclass(frozen=True, eq=False)
-class Surroundings:
-    """Radiance where no surface is, which lights the scene if it is an environment light's.
+class TracedEnvironment:
+    """The radiance seen where no surface is: that of an environment light, or a mere background.
 
     Parameters
     ----------
     mitsuba, drjit : module
     lights : bool
-        False for a mere background.
+        Whether it lights the scene; False for a background, and for a black environment.
     mean : tuple of float
         Mean radiance over all directions.
     constant : Color3f or None
-        If it is the same all around.
+        The radiance, if it is equal in all directions.
     texture : Texture2f or None
+        The map of the radiance otherwise.
     emitter : mitsuba.Emitter or None
-        Chooses directions by their radiance.
+        Samples directions in proportion to the radiance of the map.
     """
 
     mitsuba: Any
@@ -94,7 +123,7 @@ class Surroundings:
     emitter: Any = None
 
     @classmethod
-    def build(cls, mitsuba: Any, drjit: Any, scene: Scene) -> Surroundings:
+    def build(cls, mitsuba: Any, drjit: Any, scene: Scene) -> TracedEnvironment:
         """Upload the environment light of `scene`, or its background."""
         light = scene.environment
         radiance = scene.background if light is None else light.radiance
@@ -103,7 +132,7 @@ class Surroundings:
             color = mitsuba.Color3f(drjit.opaque(mitsuba.Vector3f, value))
             return cls(mitsuba, drjit, light is not None and any(value), tuple(value), color)
         texels = _texels(radiance).astype(np.float32)
-        # Repeated in longitude: one column of the other edge on either side.
+        # Longitude wraps: each edge gets a column of the opposite edge.
         wide = np.concatenate([texels[:, -1:], texels, texels[:, :1]], axis=1)
         texture = mitsuba.Texture2f(
             mitsuba.TensorXf(wide),
@@ -114,7 +143,7 @@ class Surroundings:
         rows = len(texels)
         weight = np.sin((np.arange(rows) + 0.5) / rows * math.pi)
         mean = (texels.mean(axis=1) * weight[:, None]).sum(axis=0) / weight.sum()
-        emitter = _chooser(mitsuba, texels) if texels.any() else None
+        emitter = _direction_sampler(mitsuba, texels) if texels.any() else None
         lights = emitter is not None
         return cls(mitsuba, drjit, lights, tuple(mean.tolist()), None, texture, emitter)
 
@@ -130,19 +159,37 @@ class Surroundings:
         v = drjit.clip(v, 0.5 / rows, 1 - 0.5 / rows)
         return mitsuba.Color3f(*self.texture.eval(mitsuba.Point2f(u, v))[:3])
 
-    def choose(self, it: Any, own: Any, density: Any, one: Any, two: Any) -> tuple[Any, Any]:
-        """Return a direction to look for light in, and its probability density, sr⁻¹.
+    def sample_direction(
+        self, si: Any, own: Any, density: Callable[[Any], Any], one: Any, two: Any
+    ) -> tuple[Any, Any]:
+        """Sample a direction in which to look for light.
 
-        Half of the directions are chosen by radiance, if that varies; the other half are `own`,
-        which the caller chose with the probability density that the function `density` tells.
+        Half of the directions are sampled by radiance if that varies. The others are `own`.
+
+        Parameters
+        ----------
+        si : SurfaceInteraction3f
+            Where light is looked for.
+        own : Vector3f
+            A direction that the caller sampled by the material.
+        density : callable
+            Probability density, sr⁻¹, with which the caller samples a direction.
+        one, two : Float, Point2f
+            Random numbers in [0, 1).
+
+        Returns
+        -------
+        direction : Vector3f
+        density : Float
+            Probability density of the direction, sr⁻¹.
         """
         if self.emitter is None:
             return own, density(own)
         drjit = self.drjit
-        sample, _ = self.emitter.sample_direction(it, two)
+        sample, _ = self.emitter.sample_direction(si, two)
         d = drjit.select(one < 0.5, own, sample.d)
         sample.d = d
-        return d, 0.5 * (density(d) + self.emitter.pdf_direction(it, sample))
+        return d, 0.5 * (density(d) + self.emitter.pdf_direction(si, sample))
 
 
 def _texels(radiance: Texture) -> Array:
@@ -151,11 +198,12 @@ def _texels(radiance: Texture) -> Array:
     return np.repeat(texels[..., None], 3, axis=2) if texels.ndim == 2 else texels
 
 
-def _chooser(mitsuba: Any, texels: Array) -> Any:
-    """Return a Mitsuba emitter that chooses directions by the radiance of a map.
+def _direction_sampler(mitsuba: Any, texels: Array) -> Any:
+    """Return a Mitsuba emitter that samples directions by the radiance of a map.
 
-    Its maps begin at −z, where ours have their middle, and lie half a texel off: it tells what is
-    probable, not what is seen.
+    Mitsuba's maps begin at −z, which is the middle of the maps of a scene, and are offset by half a
+    texel. The emitter therefore gives probabilities only; `TracedEnvironment.radiance` gives the
+    radiance.
     """
     factors = [-(-LEAST_SIDE // side) for side in texels.shape[:2]]
     larger = texels.repeat(factors[0], axis=0).repeat(factors[1], axis=1)

@@ -1,0 +1,135 @@
+"""Mitsuba meshes: objects are joined, and their materials become attributes of the faces."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+
+from oitbench.path_traced.export.film import (
+    ABSORPTION,
+    COVERAGE,
+    LIGHT,
+    REFLECTANCE,
+    Film,
+    make_bsdf,
+    make_emitter,
+)
+from oitbench.path_traced.optics.materials import interface_roughness
+from oitbench.scene import RGB, Array, Material, Mesh, Object, Texture
+
+
+def build_mesh(mitsuba: ModuleType, film: Film, group: Sequence[Object]) -> Any:
+    """Return one Mitsuba mesh of all objects of a group.
+
+    Parameters
+    ----------
+    mitsuba : module
+        With a variant set.
+    film : Film
+        With the texture of the group, if it has one.
+    group : sequence of Object
+        Either films or one refracting solid (see `shapes.layout`).
+    """
+    textured = film.texture is not None
+    meshes = [_with_normals(item.mesh) for item in group]
+    light = np.concatenate(
+        [_light(item.material, mesh, textured) for item, mesh in zip(group, meshes, strict=True)]
+    )
+    properties = mitsuba.Properties("mesh")
+    refracts = group[0].material.refracts and not group[0].material.opaque
+    properties["film"] = _dielectric(mitsuba, group[0].material) if refracts else make_bsdf(film)
+    if light.any():
+        properties["glow"] = make_emitter(film)
+    faces = _joined_triangles(meshes)
+    mesh = mitsuba.Mesh(
+        "films",
+        sum(len(part.positions) for part in meshes),
+        len(faces),
+        props=properties,
+        has_vertex_normals=True,
+        has_vertex_texcoords=textured,
+    )
+    mesh.add_attribute(LIGHT, 3, light.ravel())
+    for name, column in _attributes(group, textured).items():
+        mesh.add_attribute(name, column.shape[1], column.ravel())
+    values = mitsuba.traverse(mesh)
+    values["faces"] = faces.ravel()
+    values["vertex_positions"] = _joined([part.positions for part in meshes])
+    values["vertex_normals"] = _joined([part.normals for part in meshes])
+    if textured:
+        values["vertex_texcoords"] = _joined([part.uvs for part in meshes])
+    values.update()
+    return mesh
+
+
+def _dielectric(mitsuba: ModuleType, material: Material) -> Any:
+    """Return Mitsuba's BSDF for the surface of a refracting solid."""
+    content = {"type": "dielectric", "int_ior": float(material.index), "ext_ior": 1.0}
+    alpha = interface_roughness(material)
+    if alpha > 0:
+        content |= {"type": "roughdielectric", "distribution": "beckmann", "alpha": alpha}
+    return mitsuba.load_dict(content)
+
+
+def _with_normals(mesh: Mesh) -> Mesh:
+    """Return `mesh`; without normals, its copy with three vertices and a normal for each face."""
+    if mesh.normals is not None:
+        return mesh
+    corners = mesh.triangles.ravel()
+    points = mesh.positions[mesh.triangles].astype(np.float64)
+    normals = np.cross(points[:, 1] - points[:, 0], points[:, 2] - points[:, 0])
+    length = np.linalg.norm(normals, axis=1, keepdims=True)
+    normals = np.divide(normals, length, out=np.zeros_like(normals), where=length > 0)
+    return Mesh(
+        mesh.positions[corners],
+        np.arange(len(corners), dtype=np.uint32).reshape(-1, 3),
+        None if mesh.uvs is None else mesh.uvs[corners],
+        None if mesh.radiance is None else mesh.radiance[corners],
+        np.repeat(normals, 3, axis=0).astype(np.float32),
+    )
+
+
+def _joined(parts: Sequence[Array | None]) -> Any:
+    present = [part for part in parts if part is not None]
+    return np.concatenate(present).astype(np.float32).ravel()
+
+
+def _joined_triangles(meshes: Sequence[Mesh]) -> Any:
+    counts = [len(mesh.positions) for mesh in meshes]
+    starts = np.concatenate([[0], np.cumsum(counts)[:-1]])
+    parts = [
+        mesh.triangles.astype(np.uint32) + np.uint32(start)
+        for mesh, start in zip(meshes, starts, strict=True)
+    ]
+    return np.concatenate(parts)
+
+
+def _light(material: Material, mesh: Mesh, textured: bool) -> Array:
+    """Return α·L at the vertices, shape (n, 3); the factor on it where a texture gives α·L."""
+    light = np.ones((len(mesh.positions), 3)) if mesh.radiance is None else mesh.radiance
+    if not textured:
+        light = light * np.multiply(_constant(material.emission), _constant(material.coverage))
+    return light.astype(np.float32)
+
+
+def _attributes(group: Sequence[Object], textured: bool) -> dict[str, Array]:
+    """Return the values of the faces by attribute; α counts as 1 where a texture gives it."""
+    rows = []
+    for item in group:
+        material = item.material
+        coverage = 1.0 if textured else np.asarray(_constant(material.coverage), dtype=np.float64)
+        kept = np.multiply(material.transmission, 1 - np.asarray(material.albedo))
+        reflectance = 0.0 if material.isotropic else material.reflectance
+        rows.append([*(coverage * (1 - kept)), coverage, reflectance])
+    counts = [len(item.mesh.triangles) for item in group]
+    values = np.repeat(np.asarray(rows, dtype=np.float32), counts, axis=0)
+    return {ABSORPTION: values[:, :3], COVERAGE: values[:, 3:4], REFLECTANCE: values[:, 4:]}
+
+
+def _constant(value: float | RGB | Texture) -> float | RGB:
+    if isinstance(value, Texture):
+        raise TypeError("a textured value has no constant")
+    return value

@@ -1,0 +1,1 @@
+"""How surfaces reflect, refract, scatter and absorb light."""

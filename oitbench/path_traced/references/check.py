@@ -1,0 +1,61 @@
+"""Checking a stored reference against a new rendering with few samples."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from oitbench.image import files as images
+from oitbench.image.files import Image
+from oitbench.path_traced.references.storage import Reference
+from oitbench.path_traced.references.z_test import ZTest, z_test
+from oitbench.path_traced.trace.render import render
+from oitbench.scene import Scene
+
+CHECK_SPP = 4
+"""Samples of the new rendering for each sub-pixel."""
+
+
+def check(scene: Scene, reference: Reference, output: Path, spp: int = CHECK_SPP) -> ZTest:
+    """Render a scene again, with few samples and another seed, and test it against `reference`.
+
+    Parameters
+    ----------
+    scene : Scene
+    reference : Reference
+    output : Path
+        If the test fails, the new image, the reference, their difference and the p-values are
+        written to a folder below it, as EXR and PNG files.
+    spp : int
+        Samples for each sub-pixel.
+
+    Returns
+    -------
+    ZTest
+
+    Raises
+    ------
+    UsageError, CapabilityError, SceneError
+        As `trace.render.render` does.
+    """
+    info = reference.info
+    estimate = render(scene, info.size, info.ssaa, spp, info.seed + 1)
+    # The variance of the new mean follows from the stored one, which is known far better.
+    variance = reference.variance * (1 + info.spp / estimate.spp)
+    result = z_test(estimate.mean, reference.mean, variance)
+    if not result.passed:
+        _write_failure(output / info.key, scene.exposure, estimate.mean, reference.mean, result)
+    return result
+
+
+def _write_failure(
+    folder: Path, exposure: float, mean: Image, reference: Image, result: ZTest
+) -> None:
+    p_value = np.repeat(result.p_value[..., None], 3, axis=2)
+    linear = {"image": mean, "reference": reference, "error": np.abs(mean - reference)}
+    for name, picture in linear.items():
+        images.write_exr(folder / f"{name}.exr", picture)
+        images.write_png(folder / f"{name}.png", images.to_srgb(picture, exposure))
+    images.write_exr(folder / "p_value.exr", p_value)
+    images.write_png(folder / "p_value.png", p_value)

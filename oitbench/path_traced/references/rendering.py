@@ -1,0 +1,99 @@
+"""Rendering a reference: the number of samples, the progress bar and the noise floor."""
+
+from __future__ import annotations
+
+from oitbench.image import metrics
+from oitbench.path_traced import llvm
+from oitbench.path_traced.references.fingerprint import fingerprint
+from oitbench.path_traced.references.storage import Reference, ReferenceInfo
+from oitbench.path_traced.trace.render import Estimate, render
+from oitbench.scene import Scene
+
+# Samples for each sub-pixel, so that a picture of 256 × 256 takes some minutes.
+PARTICLES_SPP = 4
+"""For scenes with particles, of which a ray crosses a hundred."""
+MEDIUM_SPP = 128
+"""For scenes with a medium, in which a path looks for light from a single point."""
+REFRACTION_SPP = 32
+"""For scenes with refracting solids, as their paths are long and photons are traced, too."""
+DEFAULT_SPP = 64
+"""For all other scenes. Those that need no random numbers get a single sample."""
+
+
+def default_spp(scene: Scene) -> int:
+    """Return how many samples each sub-pixel of a reference gets by default."""
+    if any(item.particles for item in scene.objects):
+        return PARTICLES_SPP
+    if scene.medium is not None:
+        return MEDIUM_SPP
+    return REFRACTION_SPP if any(item.material.refracts for item in scene.objects) else DEFAULT_SPP
+
+
+def noise_floor(estimate: Estimate, exposure: float) -> dict[str, float | None]:
+    """Return the difference between the two halves of the samples, by metric."""
+    first, second = estimate.halves
+    return {
+        metrics.FLIP_LDR: metrics.flip_ldr(first, second, exposure),
+        metrics.RMSE: metrics.rmse(first, second),
+    }
+
+
+def render_reference(
+    scene: Scene,
+    label: str,
+    size: tuple[int, int],
+    ssaa: int,
+    spp: int | None = None,
+    seed: int = 1,
+) -> Reference:
+    """Render a reference, with a progress bar on standard error.
+
+    Parameters
+    ----------
+    scene : Scene
+    label : str
+        The canonical label of the scene.
+    size : (int, int)
+        Width and height in pixels.
+    ssaa : int
+        Side of the sub-pixel grid.
+    spp : int, optional
+        Samples for each sub-pixel. Default: `default_spp(scene)`.
+    seed : int
+
+    Raises
+    ------
+    UsageError, CapabilityError, SceneError
+        As `trace.render.render` does.
+    """
+    spp = default_spp(scene) if spp is None else spp
+    estimate = _render_with_bar(scene, label, size, ssaa, spp, seed)
+    info = ReferenceInfo(
+        scene=label,
+        size=size,
+        ssaa=ssaa,
+        spp=estimate.spp,
+        seed=seed,
+        mitsuba=str(llvm.backend().mitsuba),
+        fingerprint=fingerprint(scene),
+        noise_floor=noise_floor(estimate, scene.exposure),
+    )
+    return Reference(info, estimate.mean, estimate.variance)
+
+
+def _render_with_bar(
+    scene: Scene, label: str, size: tuple[int, int], ssaa: int, spp: int, seed: int
+) -> Estimate:
+    from rich.console import Console
+    from rich.progress import Progress
+
+    with Progress(console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task(f"path tracing {label}", total=None)
+        return render(
+            scene,
+            size,
+            ssaa,
+            spp,
+            seed,
+            lambda done, count: bar.update(task, completed=done, total=count),
+        )

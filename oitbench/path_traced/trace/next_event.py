@@ -1,0 +1,241 @@
+"""Next-event estimation: light from beams and from the environment at the points of a path.
+
+Light from a beam is followed straight through films. Their transmittances color the shadow.
+Refracting solids block it, because the light that they let through is a caustic, which photons
+deliver. Light from the environment is followed along paths that solids refract and a medium
+scatters.
+
+Where a scene needs random numbers, a path passes many points from which it could look for light. It
+looks from one of them, which reservoir sampling selects in proportion to the unshadowed light (see
+`reservoirs`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from oitbench.path_traced.optics.reflection import microfacets
+from oitbench.path_traced.trace.hits import NO_FACE, STEP, Hit, Line
+from oitbench.path_traced.trace.lights import TracedBeam, TracedEnvironment
+from oitbench.path_traced.trace.medium import TracedMedium
+from oitbench.path_traced.trace.reservoirs import Candidate, Reservoir, Reservoirs
+from oitbench.path_traced.trace.surfaces import Surfaces
+from oitbench.scene import Scene
+
+CrossInterface = Callable[[Line, Hit, Any, Any, Any], tuple[Line, Any, Any, Any]]
+"""Crosses the boundary of a refracting solid; see `PathTracer`."""
+LEAST_SHARE = 0.1
+"""Part of the mean radiance that is added to the weight of a direction, as solids may refract it
+toward brighter parts of the environment."""
+MAX_BOUNCES = 200
+"""Refractions and scattering events after which light from the environment is given up."""
+
+
+class LightSampler:
+    """Finds the light that reaches the points of a path.
+
+    Parameters
+    ----------
+    mitsuba, drjit : module
+        With an LLVM or CUDA variant set.
+    scene : Scene
+    surfaces : Surfaces
+    environment : TracedEnvironment
+    medium : TracedMedium or None
+    """
+
+    def __init__(
+        self,
+        mitsuba: Any,
+        drjit: Any,
+        scene: Scene,
+        surfaces: Surfaces,
+        environment: TracedEnvironment,
+        medium: TracedMedium | None,
+    ) -> None:
+        self._mitsuba, self._drjit = mitsuba, drjit
+        self._surfaces, self._environment, self._medium = surfaces, environment, medium
+        self._beams = [TracedBeam(mitsuba, drjit, light) for light in scene.beams]
+
+    def empty(self) -> Reservoirs:
+        """Return reservoirs without candidates."""
+        diffuse = self._environment.lights and "albedo" in self._surfaces.has
+        beam = bool(self._beams)
+        needed = (beam, beam and self._medium is not None, diffuse)
+        found = [Reservoir.empty(self._mitsuba, self._drjit) if one else None for one in needed]
+        return Reservoirs(*found)
+
+    def beam_light(self, line: Line, hit: Hit, active: Any) -> Any:
+        """Return α·L that all beams cause at `hit`, without random numbers."""
+        drjit = self._drjit
+        total = self._mitsuba.Color3f(0)
+        for beam in self._beams:
+            toward, distance, arriving = beam.toward(hit.si.p)
+            value = self._scattering(line, hit, toward) * arriving
+            lit = active & drjit.any(value > 0)
+            part = self._transmittance(self._leaving(hit, toward), distance, lit)
+            total += drjit.select(lit, value * part, 0)
+        return total
+
+    def add_surface(
+        self, reservoirs: Reservoirs, line: Line, hit: Hit, throughput: Any, rng: Any, active: Any
+    ) -> tuple[Reservoirs, Any]:
+        """Add the candidates of a surface: one for each beam, and one for the environment."""
+        mitsuba, drjit, layer = self._mitsuba, self._drjit, hit.layer
+        active = active & (hit.outside | ~layer.refracts)
+        beam, environment = reservoirs.surface_beam, reservoirs.environment
+        for light in self._beams:
+            toward, distance, arriving = light.toward(hit.si.p)
+            value = throughput * self._scattering(line, hit, toward) * arriving
+            found = Candidate(self._leaving(hit, toward), distance, value, drjit.mean(value))
+            assert beam is not None
+            beam, rng = beam.add(mitsuba, drjit, found, rng, active)
+        if environment is not None:
+            found, rng = self._environment_candidate(hit, throughput, rng, active)
+            environment, rng = environment.add(mitsuba, drjit, found, rng, active)
+        return Reservoirs(beam, reservoirs.medium_beam, environment), rng
+
+    def _environment_candidate(
+        self, hit: Hit, throughput: Any, rng: Any, active: Any
+    ) -> tuple[Candidate, Any]:
+        """Return a candidate in one random direction."""
+        mitsuba, drjit, layer = self._mitsuba, self._drjit, hit.layer
+
+        def density(d: Any) -> Any:
+            lambert = drjit.maximum(drjit.dot(hit.n, d), 0) / drjit.pi
+            return drjit.select(layer.isotropic, 1 / (4 * drjit.pi), lambert)
+
+        two = mitsuba.Point2f(rng.next_float32(active), rng.next_float32(active))
+        own = drjit.select(
+            layer.isotropic,
+            mitsuba.warp.square_to_uniform_sphere(two),
+            mitsuba.Frame3f(hit.n).to_world(mitsuba.warp.square_to_cosine_hemisphere(two)),
+        )
+        one = rng.next_float32(active)
+        d, chance = self._environment.sample_direction(hit.si, own, density, one, two)
+        factor = throughput * layer.coverage * layer.albedo * (density(d) / chance)
+        floor = mitsuba.Color3f(*[LEAST_SHARE * part for part in self._environment.mean])
+        weight = drjit.mean(factor * (self._environment.radiance(d) + floor))
+        infinite = mitsuba.Float(drjit.inf)
+        return Candidate(self._leaving(hit, d), infinite, mitsuba.Color3f(factor), weight), rng
+
+    def add_medium(
+        self, reservoirs: Reservoirs, line: Line, end: Any, throughput: Any, rng: Any, active: Any
+    ) -> tuple[Reservoirs, Any]:
+        """Add one candidate for each beam, at a random point of the medium on `line` before `end`.
+
+        The environment needs none: the path itself reaches it where it leaves the medium.
+        """
+        mitsuba, drjit, medium = self._mitsuba, self._drjit, self._medium
+        assert medium is not None
+        selected = reservoirs.medium_beam
+        near, far = medium.clip(line.o, line.d, line.along, end)
+        crosses = active & (near < far)
+        for light in self._beams:
+            one = rng.next_float32(crosses)
+            at, chance = light.sample_distance(line.o, line.d, near, far, medium.falloff, one)
+            p = line.o + line.d * drjit.select(crosses, at, 0)
+            toward, distance, arriving = light.toward(p)
+            part, rng = medium.transmittance(line.o, line.d, near, at, rng, crosses)
+            part *= medium.extinction(p, crosses) * medium.phase(drjit.dot(toward, line.d)) / chance
+            value = throughput * medium.albedo * arriving * part
+            leaving = Line(p, toward, mitsuba.Float(0), mitsuba.UInt32(NO_FACE))
+            found = Candidate(leaving, distance, value, drjit.mean(value))
+            assert selected is not None
+            selected, rng = selected.add(mitsuba, drjit, found, rng, crosses)
+        return Reservoirs(reservoirs.surface_beam, selected, reservoirs.environment), rng
+
+    def _scattering(self, line: Line, hit: Hit, toward: Any) -> Any:
+        """Return α times the part of light from `toward` that is scattered to the eye, sr⁻¹."""
+        drjit, layer = self._drjit, hit.layer
+        facing = drjit.maximum(drjit.dot(hit.n, toward), 0) / drjit.pi
+        facing = drjit.select(layer.isotropic, 1 / (4 * drjit.pi), facing)
+        value = layer.albedo * facing
+        if "reflectance" in self._surfaces.has:
+            value += microfacets(drjit, layer.reflectance, layer.roughness, hit.n, -line.d, toward)
+        return value * layer.coverage
+
+    def _leaving(self, hit: Hit, toward: Any) -> Line:
+        mitsuba, drjit = self._mitsuba, self._drjit
+        start = STEP * drjit.max(drjit.abs(hit.si.p))
+        return Line(mitsuba.Point3f(hit.si.p), mitsuba.Vector3f(toward), start, hit.face)
+
+    def _transmittance(self, line: Line, limit: Any, active: Any) -> Any:
+        """Return the transmittance of all surfaces on a straight line up to `limit`."""
+        drjit, mitsuba = self._drjit, self._mitsuba
+
+        def step(line: Line, part: Any, active: Any) -> tuple[Any, ...]:
+            hit = self._surfaces.intersect(line, active, limit)
+            part = drjit.select(hit.fresh, part * self._film_transmittance(hit), part)
+            line = line.onward(drjit, hit, hit.valid)
+            return line, part, hit.valid & drjit.any(part > 0)
+
+        state = (line, mitsuba.Color3f(1), active)
+        return drjit.while_loop(state, lambda *v: v[2], step)[1]
+
+    def _film_transmittance(self, hit: Hit) -> Any:
+        """Return τ; refracting solids block."""
+        layer = hit.layer
+        passing = self._drjit.select(layer.refracts, 0, layer.passing)
+        return 1 - layer.coverage + layer.coverage * passing
+
+    def selected_light(self, reservoirs: Reservoirs, rng: Any, cross: CrossInterface) -> Any:
+        """Return the light of the selected candidates, with everything that is in the way."""
+        found = self._mitsuba.Color3f(0)
+        for reservoir in (reservoirs.surface_beam, reservoirs.medium_beam):
+            if reservoir is not None:
+                light, rng = self._selected_beam(reservoir, rng)
+                found += light
+        if reservoirs.environment is not None:
+            found += self._selected_environment(reservoirs.environment, rng, cross)
+        return found
+
+    def _selected_beam(self, selected: Reservoir, rng: Any) -> tuple[Any, Any]:
+        line, lit = selected.line, selected.total > 0
+        light = selected.value * selected.total * self._transmittance(line, selected.limit, lit)
+        if self._medium is not None:
+            o, d, start, end = line.o, line.d, line.along, selected.limit
+            part, rng = self._medium.transmittance(o, d, start, end, rng, lit)
+            light *= part
+        return self._drjit.select(lit, light, 0), rng
+
+    def _selected_environment(self, selected: Reservoir, rng: Any, cross: CrossInterface) -> Any:
+        mitsuba, drjit, medium = self._mitsuba, self._drjit, self._medium
+        refracts = "refracts" in self._surfaces.has
+
+        def step(
+            line: Line, throughput: Any, since: Any, bounces: Any, rng: Any, active: Any
+        ) -> tuple[Any, ...]:
+            hit, start = self._surfaces.intersect(line, active), line
+            collides = mitsuba.Bool(False)
+            if medium is not None:
+                at, rng = medium.sample_free_path(line.o, line.d, line.along, hit.at, rng, active)
+                collides = active & (at < drjit.inf)
+                p = line.o + line.d * drjit.select(collides, at, 0)
+            here = active & ~collides
+            solid = here & hit.fresh & hit.layer.refracts
+            film = here & hit.fresh & ~hit.layer.refracts
+            tinted = throughput * self._film_transmittance(hit)
+            throughput = drjit.select(film, tinted, throughput)
+            line = line.onward(drjit, hit, here & hit.valid & ~solid)
+            if refracts:
+                since = since + drjit.select(here & ~solid, hit.at - start.along, 0)
+                line, factor, since, rng = cross(line, hit, since, rng, solid)
+                throughput = drjit.select(solid, throughput * factor, throughput)
+            if medium is not None:
+                two = mitsuba.Point2f(rng.next_float32(collides), rng.next_float32(collides))
+                out = medium.sample_phase(start.d, two)
+                scattered = Line(p, out, mitsuba.Float(0), mitsuba.UInt32(NO_FACE))
+                line = scattered.where(drjit, collides, line)
+                throughput = drjit.select(collides, throughput * medium.albedo, throughput)
+            bounces = bounces + drjit.select(solid | collides, mitsuba.UInt32(1), 0)
+            active = active & (collides | hit.valid) & drjit.any(throughput > 0)
+            return line, throughput, since, bounces, rng, active & (bounces < MAX_BOUNCES)
+
+        start = mitsuba.Color3f(1), mitsuba.Float(0), mitsuba.UInt32(0), rng, selected.total > 0
+        state = drjit.while_loop((selected.line, *start), lambda *v: v[5], step)
+        line, throughput, _, bounces = state[:4]
+        radiance = self._environment.radiance(line.d)
+        found = throughput * selected.value * selected.total * radiance
+        return drjit.select((selected.total > 0) & (bounces < MAX_BOUNCES), found, 0)
