@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from oitbench.matrix import run as matrix
-from oitbench.results import baseline
-from oitbench.results import comparison as regression
+from oitbench.matrix.plan import plan_matrix
+from oitbench.matrix.run import run_matrix
+from oitbench.results import baseline, comparison
 
 BASELINE = Path(__file__).with_name("baseline.json")
 SCENES = (
@@ -21,22 +21,21 @@ SCENES = (
 
 def run(out: Path, scenes: Sequence[str] = SCENES, methods: Sequence[str] = ()) -> None:
     """Render small images of these scenes with all methods at their defaults, or with some."""
-    matrix.run(matrix.plan(scenes, methods, "guard", ssaa=1, out=out, workers=2))
+    run_matrix(plan_matrix(scenes, methods, "guard", ssaa=1, out=out, workers=2))
 
 
 def main() -> None:
-    """Write the baseline, and tell what differs from the one before."""
+    """Write the baseline, and print its differences from the one before."""
     before = baseline.read(BASELINE) if BASELINE.is_file() else None
     with TemporaryDirectory() as folder:
         run(Path(folder))
         now = baseline.save(folder, BASELINE)
     print(f"{BASELINE}: {len(now.rows)} cells")
     if before is not None:
-        comparison = regression.compare_snapshots(now, before)
-        for finding in comparison.findings:
-            told = f"{finding.verdict}: {finding.cell} {finding.field}"
-            print(told, finding.before, "->", finding.now)
-        print(comparison)
+        compared = comparison.compare_snapshots(now, before)
+        for item in compared.differences:
+            print(f"{item.verdict}: {item.cell} {item.field}", item.before, "->", item.now)
+        print(compared)
 
 
 if __name__ == "__main__":

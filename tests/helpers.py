@@ -14,12 +14,16 @@ import numpy.typing as npt
 
 from oitbench.effects import Effect
 from oitbench.gl.device import Device
-from oitbench.gl.draws.steps import passes_of
 from oitbench.gl.frame import Frame, Image
-from oitbench.gl.geometry import Geometry
-from oitbench.method.declaration import Draws, Method, Pass, Target
+from oitbench.gl.uploaded_scene import UploadedScene
+from oitbench.method import steps
+from oitbench.method.declaration import Method, Plan, Request
+from oitbench.method.passes import Gather, Pass
+from oitbench.method.storage import Target
 from oitbench.plugins import Collection
 from oitbench.scene import RGB, Camera, FragmentLists, Scene
+from oitbench.stability import suite
+from oitbench.stability.identities import identities
 
 Array64 = npt.NDArray[np.float64]
 SIDE = 16
@@ -40,6 +44,15 @@ class Layer:
     coverage: float
     radiance: RGB = WHITE
     transmission: RGB = NOTHING
+
+
+class Empty(Method):
+    """Shows the opaque picture, in full precision."""
+
+    name = "empty"
+
+    def plan(self, request: Request) -> Plan:
+        return Plan({"color": Target("rgba32f")})
 
 
 @cache
@@ -110,14 +123,12 @@ def opened(
     if size is None:
         assert scene.lists is not None
         size = (scene.lists.z.shape[2], scene.lists.z.shape[1])
-    geometry = Geometry(device, scene)
     running = scene.effects & chosen.shows if effects is None else effects
-    frame = Frame(device, geometry, chosen, size, running, **options)
-    try:
+    with (
+        UploadedScene(device, scene) as uploaded,
+        Frame(uploaded, chosen, size, running, **options) as frame,
+    ):
         yield frame
-    finally:
-        frame.release()
-        geometry.release()
 
 
 def render(
@@ -163,10 +174,10 @@ def rounding(chosen: Method, layers: int, magnitude: float) -> float:
     and no later blend makes an error larger. A sum that is divided by another carries the relative
     error of both; a normalized transmittance acts on differences of colors.
     """
-    targets = {"color": Target("rgba16f"), **chosen.targets}
+    targets = {"color": Target("rgba16f"), **full_plan(chosen).targets}
     error = step(targets["color"], 1.0) * magnitude
     for item in all_passes(chosen):
-        writes = layers if item.draws is Draws.FRAGMENTS else 1
+        writes = layers if isinstance(item, Gather) else 1
         for name in item.writes:
             if targets[name].texel.integer:
                 continue  # its rounding is the record's
@@ -177,15 +188,42 @@ def rounding(chosen: Method, layers: int, magnitude: float) -> float:
     return error
 
 
+def full_plan(chosen: Method) -> Plan:
+    """Return the plan of a method for all that it can show."""
+    return chosen.plan(Request(chosen.shows, particles=True))
+
+
 def all_passes(chosen: Method) -> Iterator[Pass]:
-    for item in chosen.passes:
-        yield from passes_of(item)
+    yield from steps.all_passes(full_plan(chosen).passes)
 
 
-def write_method(folder: Path, body: str, **shaders: str) -> Path:
-    """Write a method of one class into `folder`; shaders by name, without their ending."""
+def keeps_promises(device: Device, *names: str) -> None:
+    """Assert that each of these methods keeps all of its promises."""
+    found = suite.run(device, collection(), list(map(method, names)), identities())
+    assert found
+    assert not [(item.method, item.check, item.error) for item in found if item.failed]
+
+
+def write_method(
+    folder: Path,
+    passes: str,
+    targets: str = "{}",
+    buffers: str = "{}",
+    members: str = "",
+    **shaders: str,
+) -> Path:
+    """Write a method with this plan into `folder`; shaders by name, without their ending."""
     folder.mkdir(parents=True)
-    (folder / "method.py").write_text(f'"""A method for tests."""\nfrom oitbench import *\n{body}')
+    lines = [
+        '"""A method for tests."""',
+        "from oitbench import *",
+        "class Written(Method):",
+        *(f"    {line}" for line in members.strip().splitlines()),
+        "    def plan(self, request):",
+        f"        return Plan({targets}, {passes}, {buffers})",
+        "",
+    ]
+    (folder / "method.py").write_text("\n".join(lines))
     for name, text in shaders.items():
         (folder / f"{name}.glsl").write_text(text)
     return folder

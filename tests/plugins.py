@@ -30,12 +30,6 @@ def build(*, name: str, count: int) -> Scene:
     )
     return Scene(name, Camera((0, 0, 0), (0, 0, -1)), lists=lists)
 '''
-_BODY = """
-class Bad(Method):
-    expresses = Effect.COVERAGE
-    requires = {requires}
-    passes = (Pass("draw.glsl", Draws.FRAGMENTS, writes={{"color": ADD}}),)
-"""
 _DRAW = "void gather(Fragment fragment) {{\n    color = vec4({0});\n}}\n"
 
 
@@ -57,6 +51,10 @@ def misbehaving(folder: Path) -> Path:
         ("demanding", "1.0", ("no_such_thing",)),
         ("unstable", "0.0 / (fragment.z - fragment.z)", ()),
     ):
-        body, draw = _BODY.format(requires=requires), _DRAW.format(value)
-        write_method(folder / "methods" / name, body, draw=draw)
+        write_method(
+            folder / "methods" / name,
+            '(Gather("draw.glsl", writes={"color": ADD}),)',
+            members=f"expresses = Effect.COVERAGE\nrequires = {requires}",
+            draw=_DRAW.format(value),
+        )
     return folder

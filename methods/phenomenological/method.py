@@ -150,13 +150,14 @@ class Phenomenological(oit.Method):
         writes = {name: GATHERED[name] for name in targets}
         objects = oit.Objects.OTHERS if mixed else oit.Objects.ALL
         gather = oit.Gather("gather.glsl", reads=depth, writes=writes, objects=objects)
+        gathers = (gather,) if request.others or not mixed else ()
         march = oit.Resolve("fog.glsl", reads=depth, writes={"accum": oit.ADD, "beta": BACKGROUND})
         resolve = oit.Resolve(
             "resolve.glsl", reads=(*targets, "opaque_color"), writes={"color": oit.REPLACE}
         )
         fog = (march,) if oit.Effect.VOLUME in request.effects else ()
         if not mixed:
-            return oit.Plan({**targets, "color": color}, (gather, *fog, resolve))
+            return oit.Plan({**targets, "color": color}, (*gathers, *fog, resolve))
         small = {f"small_{name}": GATHERED[name] for name in targets}
         shrink = oit.Resolve(
             "shrink_depth.glsl",
@@ -180,5 +181,5 @@ class Phenomenological(oit.Method):
             "distance": oit.Target("r32f"), "depth": oit.Target("depth32f", clear=(1.0,)), **targets
         }  # fmt: skip
         blocks = {f"small_{k}": replace(t, subsample=self.subsample) for k, t in extra.items()}
-        steps = (shrink, particles, gather, *fog, spread, resolve)
+        steps = (shrink, particles, *gathers, *fog, spread, resolve)
         return oit.Plan({**targets, "color": color, **blocks}, steps)

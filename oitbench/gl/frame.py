@@ -118,7 +118,8 @@ class Frame(Owner):
             method,
             size,
             effects,
-            particles=scene.geometry.has_particles,
+            particles=scene.geometry.has(Objects.PARTICLES),
+            others=scene.geometry.has(Objects.OTHERS),
             mechanism=mechanism or device.mechanism,
             counted=counted,
         )

@@ -112,10 +112,9 @@ class Geometry(Owner):
         """Whether the scene consists of fragment lists."""
         return self.scene.lists is not None
 
-    @property
-    def has_particles(self) -> bool:
-        """Whether the scene has objects that are marked as particles."""
-        return len(self.batches[Objects.PARTICLES]) > 0
+    def has(self, objects: Objects) -> bool:
+        """Return whether the scene has transparent objects of this choice."""
+        return len(self.batches[objects]) > 0
 
     @property
     def macros(self) -> str:

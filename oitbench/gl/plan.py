@@ -73,6 +73,7 @@ class FramePlan:
         effects: Effect = Effect.NONE,
         *,
         particles: bool = False,
+        others: bool = True,
         mechanism: str | Callable[[int], str] = FETCH,
         counted: bool = False,
     ) -> FramePlan:
@@ -83,8 +84,8 @@ class FramePlan:
         method : Method
         size : (int, int)
         effects : Effect
-        particles : bool
-            Whether the scene has particles.
+        particles, others : bool
+            See `Request`.
         mechanism : str or callable
             Way of programmable blending, or a function that returns it for a number of samples;
             it is only asked if the method uses programmable blending.
@@ -96,7 +97,7 @@ class FramePlan:
         DeclarationError
             A pass does not fit the targets and buffers; the message names its shader.
         """
-        declared = method.plan(Request(effects, particles))
+        declared = method.plan(Request(effects, particles, others))
         targets = dict(declared.targets)
         color = targets.pop("color", Target("rgba16f"))
         blending = None

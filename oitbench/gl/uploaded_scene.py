@@ -9,7 +9,7 @@ from oitbench.effects import SHADING, Effect
 from oitbench.gl.device import Device
 from oitbench.gl.geometry import Geometry
 from oitbench.gl.ownership import Owner
-from oitbench.gl.shading.lighting import Lighting
+from oitbench.gl.shading.lighting import MAP_SIDE, Lighting
 from oitbench.gl.shading.occlusion import occludes
 from oitbench.gl.shading.opaque import count_fragments
 from oitbench.scene import Scene
@@ -22,6 +22,8 @@ class UploadedScene(Owner):
     ----------
     device : Device
     scene : Scene
+    map_side : int
+        Texels along each side of a light's depth maps.
 
     Attributes
     ----------
@@ -33,9 +35,10 @@ class UploadedScene(Owner):
         The scene cannot be uploaded; see `Geometry`.
     """
 
-    def __init__(self, device: Device, scene: Scene) -> None:
+    def __init__(self, device: Device, scene: Scene, map_side: int = MAP_SIDE) -> None:
         super().__init__()
         self.device, self.scene = device, scene
+        self._map_side = map_side
         self._lightings: dict[Effect, Lighting] = {}
         self._counts: dict[tuple[tuple[int, int], bool], npt.NDArray[np.int64]] = {}
         self.geometry = self.own(Geometry(device, scene))
@@ -50,7 +53,8 @@ class UploadedScene(Owner):
             return None
         shading = effects & SHADING
         if shading not in self._lightings:
-            self._lightings[shading] = self.own(Lighting(self.device, self.geometry, shading))
+            lighting = Lighting(self.device, self.geometry, shading, self._map_side)
+            self._lightings[shading] = self.own(lighting)
         return self._lightings[shading]
 
     def fragment_counts(

@@ -27,12 +27,13 @@ class Request:
     ----------
     effects : Effect
         Running effects: requested by the scene and expressed by the method.
-    particles : bool
-        Whether the scene has objects that are marked as particles.
+    particles, others : bool
+        Whether the scene has transparent objects that are marked as particles, and others.
     """
 
     effects: Effect = Effect.NONE
     particles: bool = False
+    others: bool = True
 
 
 @dataclass(frozen=True)

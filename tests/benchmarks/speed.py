@@ -17,7 +17,6 @@ import moderngl
 import numpy as np
 
 from oitbench.gl.device import Device
-from oitbench.gl.draws.steps import PassRecord
 from oitbench.gl.frame import Frame
 from oitbench.gl.geometry import Geometry
 from oitbench.measure import timing
@@ -95,8 +94,7 @@ def main(names: list[str]) -> None:
 
 def passes_of(frame: Frame) -> list[str]:
     """Return one line a pass: where the time of a frame goes, each pass waited for."""
-    records: list[PassRecord] = []
-    frame.issue(records)
+    measured = frame.measure()
     return [f"{record.name:20} {record.milliseconds:8.2f} ms" for record in records]
 
 

@@ -21,7 +21,7 @@ from pathlib import Path
 import numpy as np
 
 from oitbench.gl.device import Device
-from oitbench.gl.draws.steps import PassRecord
+from oitbench.gl.draws.records import PassRecord
 from oitbench.gl.frame import Frame
 from oitbench.gl.geometry import Geometry
 from oitbench.measure import timing
@@ -75,7 +75,7 @@ def measured(frame: Frame, mixed: bool, lit: bool) -> dict[str, float]:
     records: list[PassRecord] = []
     frame.issue(records, check=False, lit=lit)
     stages: dict[str, float] = {}
-    for step, record in zip(frame.passes, records, strict=True):
+    for step, record in zip(frame.plan.passes, records, strict=True):
         stage = stage_of(step, mixed)
         stages[stage] = stages.get(stage, 0.0) + record.milliseconds
     parts = [stages[name] for name in (PARTICLES, OTHERS, FOG) if name in stages]

@@ -16,8 +16,7 @@ import pytest
 from oitbench.effects import SHADING, Effect, names
 from oitbench.gl.device import Device
 from oitbench.gl.frame import Frame, Image
-from oitbench.gl.geometry import Geometry
-from oitbench.gl.shading.lighting import Lighting
+from oitbench.gl.uploaded_scene import UploadedScene
 from oitbench.matrix.cell import choose_effects
 from oitbench.measure import accounting
 from oitbench.method.declaration import Method
@@ -75,41 +74,35 @@ class Rendered:
         return sum(self.memory.values())
 
 
-def rendered(device: Device, geometry: Geometry, chosen: Method, effects: Effect) -> Rendered:
-    shading = effects & SHADING
-    device.programs.clear()
-    if geometry.scene.lights and shading not in geometry.lightings:
-        geometry.lightings[shading] = Lighting(device, geometry, shading, MAP_SIDE)
-    frame = Frame(device, geometry, chosen, SIZE, effects)
-    frame.render()
-    terms = [accounting.memory(frame), accounting.shading(frame)["memory"]]
-    sources = " ".join(part for program in device.programs for part in program)
-    lighting = frame.lighting
-    found = Rendered(
-        frame.image(),
-        {term["resource"]: term["bytes"] for account in terms for term in account["terms"]},
-        frozenset(step.name for step in frame.passes),
-        frozenset(re.findall(r"#define EFFECT_(\w+) 1", sources)),
-        {}
-        if lighting is None
-        else {n: t.read() for n, t in lighting.textures.items() if "_map" in n},
-        frame.occlusion is not None,
-    )
-    frame.release()
-    return found
+def rendered(uploaded: UploadedScene, chosen: Method, effects: Effect) -> Rendered:
+    uploaded.device.programs.clear()
+    with Frame(uploaded, chosen, SIZE, effects) as frame:
+        frame.render()
+        shading = [entry for stage in frame.shading for entry in stage.memory()]
+        own = [(term.resource, term.bytes) for term in accounting.memory(frame).terms]
+        sources = " ".join(part for program in uploaded.device.programs for part in program)
+        maps = {}
+        for number, one in enumerate(frame.lighting.maps if frame.lighting else ()):
+            if one is not None:
+                maps |= {f"{name}_map{number}": t.read() for name, t in one.finished.items()}
+        return Rendered(
+            frame.image(),
+            dict([*own, *shading]),
+            frozenset(step.name for step in frame.plan.passes),
+            frozenset(re.findall(r"#define EFFECT_(\w+) 1", sources)),
+            maps,
+            frame.occlusion is not None,
+        )
 
 
 def pair(device: Device, scene: Scene, chosen: Method) -> tuple[Rendered, Rendered]:
     """Return the frame of what the scene calls for, and that of everything."""
-    geometry = Geometry(device, scene)
     everything = choose_effects("all", scene.effects)
-    try:
+    with UploadedScene(device, scene, MAP_SIDE) as uploaded:
         called, forced = (
-            rendered(device, geometry, chosen, effects & chosen.shows)
+            rendered(uploaded, chosen, effects & chosen.shows)
             for effects in (scene.effects, everything)
         )
-    finally:
-        geometry.release()
     return called, forced
 
 

@@ -10,8 +10,7 @@ import numpy.typing as npt
 import pytest
 
 from oitbench.gl.device import Device
-from oitbench.gl.shading.lighting import irradiance_harmonics
-from oitbench.method.declaration import Method, Target
+from oitbench.gl.shading.environment import irradiance_harmonics
 from oitbench.modeling.mesh import quad
 from oitbench.scene import (
     PENUMBRA,
@@ -27,19 +26,12 @@ from oitbench.scene import (
     Texture,
     sample_density,
 )
-from tests.helpers import opened
+from tests.helpers import Empty, opened
 
 Floats = npt.NDArray[np.float64]
 SIZE = (33, 33)
 EYE = (0.3, 2.0, 1.5)
 CAMERA = Camera(position=EYE, target=(0, 0, 0), fov_y=math.radians(30))
-
-
-class Empty(Method):
-    """Shows the opaque picture, in full precision."""
-
-    name = "empty"
-    targets = {"color": Target("rgba32f")}  # noqa: RUF012
 
 
 def floor(material: Material) -> Object:

@@ -9,9 +9,9 @@ import pytest
 
 from oitbench.errors import DeclarationError
 from oitbench.gl.device import Device
-from oitbench.gl.draws.steps import PassRecord
-from oitbench.gl.frame import Frame, Image
+from oitbench.gl.frame import Frame, FrameMeasurement, Image
 from oitbench.measure import accounting
+from oitbench.method.declaration import Request
 from oitbench.modeling.mesh import quad
 from oitbench.scene import RGB, WHITE, Camera, Material, Object, Scene
 from tests.helpers import method, opened, render, stranger, write_method
@@ -43,11 +43,10 @@ def scene(*objects: Object) -> Scene:
     return Scene("mixed", CAMERA, objects, background=(0.2, 0.5, 0.7))
 
 
-def rendered(frame: Frame) -> tuple[Image, list[PassRecord]]:
+def rendered(frame: Frame) -> tuple[Image, FrameMeasurement]:
     frame.render()
-    records: list[PassRecord] = []
-    frame.issue(records)
-    return frame.image(), records
+    measured = frame.measure()
+    return frame.image(), measured
 
 
 def test_even_smoke_is_the_same_at_any_resolution(device: Device) -> None:
@@ -151,7 +150,7 @@ def test_without_particles_nothing_is_small(device: Device) -> None:
     names, bits = {}, {}
     for chosen in (FULL, MIXED):
         with opened(device, glass, chosen, SIZE) as frame:
-            names[chosen] = [item.name for item in frame.passes]
+            names[chosen] = [item.name for item in frame.plan.passes]
             bits[chosen] = accounting.memory(frame)
     assert names[MIXED] == names[FULL] == ["gather", "resolve"]
     assert bits[MIXED] == bits[FULL]
@@ -159,16 +158,16 @@ def test_without_particles_nothing_is_small(device: Device) -> None:
 
 def test_particles_alone_leave_nothing_to_gather_in_full(device: Device) -> None:
     with opened(device, scene(smoke(2, 0.5)), MIXED, SIZE) as frame:
-        names = [item.name for item in frame.passes]
+        names = [item.name for item in frame.plan.passes]
     assert names == ["shrink_depth", "gather small=1", "upsample", "resolve"]
 
 
 def test_memory_and_traffic_are_those_of_the_small_targets(device: Device) -> None:
     glass = sheet("glass", 3.0, Material(coverage=0.5, emission=WHITE))
     with opened(device, scene(smoke(2, 0.5), smoke(4, 0.5), glass), MIXED, SIZE) as frame:
-        _, records = rendered(frame)
-        memory = {item["resource"]: item["bytes"] for item in accounting.memory(frame)["terms"]}
-        terms = accounting.traffic(frame, records)
+        _, measured = rendered(frame)
+        memory = {item.resource: item.bytes for item in accounting.memory(frame).terms}
+        terms = accounting.traffic(frame, measured).terms
     assert memory == {
         "accum": 8 * PIXELS, "beta": 3 * PIXELS, "small_accum": 8 * BLOCKS,
         "small_beta": 3 * BLOCKS, "small_distance": 4 * BLOCKS, "small_depth": 4 * BLOCKS,
@@ -183,36 +182,41 @@ def test_memory_and_traffic_are_those_of_the_small_targets(device: Device) -> No
     assert moved["clear", "small_accum", "clear"] == BLOCKS
 
 
-SMALL = """
-class Small(Method):
-    targets = {
-        "whole": Target("r32f"),
-        "part": Target("r32f", subsample=2),
-        "depth": Target("depth32f", clear=(1.0,), subsample=2),
-    }
-    buffers = {"heads": Buffer({"first": "uint"}, Items.PIXELS)}
-    passes = (Pass("one.glsl", %s),)
-"""
+TARGETS = """{
+    "whole": Target("r32f"),
+    "part": Target("r32f", subsample=2),
+    "depth": Target("depth32f", clear=(1.0,), subsample=2),
+}"""
+BUFFERS = '{"heads": Buffer({"first": "uint"}, Items.PIXELS)}'
 
 
 @pytest.mark.parametrize(
     ("declared", "message"),
     [
-        ('Draws.PIXELS, writes={"part": ADD, "whole": ADD}', "have one size: part 1/2, whole 1/1"),
-        ('Draws.FRAGMENTS, writes={"part": ADD}', "one size: part 1/2, opaque_depth 1/1"),
-        ('Draws.PIXELS, writes={"part": ADD}, buffers=("heads",)', "buffers must be of full size"),
-        ('Draws.PIXELS, writes={"part": ADD}, tests="depth"', "`tests` is for passes of fragments"),
         (
-            'Draws.FRAGMENTS, reads=("depth",), writes={"part": ADD}, tests="depth"',
+            'Resolve("one.glsl", writes={"part": ADD, "whole": ADD})',
+            "one size: part 1/2, whole 1/1",
+        ),
+        ('Gather("one.glsl", writes={"part": ADD})', "one size: part 1/2, opaque_depth 1/1"),
+        (
+            'Resolve("one.glsl", writes={"part": ADD}, buffers=("heads",))',
+            "a pass with buffers must have the frame's size",
+        ),
+        (
+            'Gather("one.glsl", reads=("depth",), writes={"part": ADD}, depth="depth")',
             "reads and tests 'depth'",
         ),
-        ('Draws.FRAGMENTS, writes={"part": ADD}, tests="dept"', "unknown target 'dept'"),
+        ('Gather("one.glsl", writes={"part": ADD}, depth="dept")', "unknown target 'dept'"),
+        ('Gather("one.glsl", writes={"whole": ADD}, depth="part")', "depth 'part' is r32f"),
+        ('Gather("one.glsl", depth="opaque_depth")', "the opaque depth cannot be written"),
     ],
 )
 def test_a_pass_that_mixes_sizes_is_refused(
     device: Device, tmp_path: Path, declared: str, message: str
 ) -> None:
-    chosen = stranger(str(write_method(tmp_path / "small", SMALL % declared, one="")))
+    chosen = stranger(
+        str(write_method(tmp_path / "small", f"({declared},)", TARGETS, BUFFERS, one=""))
+    )
     refused = pytest.raises(DeclarationError, match=message)
     with refused, opened(device, scene(smoke(2, 0.5)), chosen, SIZE):
         pass
@@ -221,21 +225,19 @@ def test_a_pass_that_mixes_sizes_is_refused(
 def test_a_pass_over_pixels_writes_a_depth_that_another_tests(
     device: Device, tmp_path: Path
 ) -> None:
-    body = """
-class Tested(Method):
-    targets = {
+    targets = """{
         "part": Target("r32f", subsample=2),
         "depth": Target("depth32f", clear=(0.0,), subsample=2),
-    }
-    passes = (
-        Pass("fill.glsl", Draws.PIXELS, depth="depth"),
-        Pass("count.glsl", Draws.FRAGMENTS, writes={"part": ADD}, tests="depth"),
-    )
-"""
+    }"""
+    passes = """(
+        Resolve("fill.glsl", depth="depth"),
+        Gather("count.glsl", writes={"part": ADD}, depth="depth", depth_writes=False),
+    )"""
     # The left half of the frame has a wall at 3 m, the right half nothing.
     fill = "void resolve() { gl_FragDepth = gl_FragCoord.x < 16.0 ? 1.0 - 0.1 / 3.0 : 1.0; }"
     count = "void gather(Fragment fragment) { part = 1.0; }"
-    chosen = stranger(str(write_method(tmp_path / "tested", body, fill=fill, count=count)))
+    folder = write_method(tmp_path / "tested", passes, targets, fill=fill, count=count)
+    chosen = stranger(str(folder))
     with opened(device, scene(smoke(2, 0.5), smoke(4, 0.5)), chosen, SIZE) as frame:
         frame.render()
         part = frame.read("part")[..., 0]
@@ -246,5 +248,6 @@ class Tested(Method):
 
 def test_subsampling_is_off_unless_it_is_asked_for() -> None:
     plain, mixed = method(FULL), method(MIXED)
-    assert not any(target.subsample > 1 for target in plain.targets.values())
-    assert len(mixed.passes) == len(plain.passes) + 3
+    every = Request(plain.shows, particles=True)
+    assert not any(target.subsample > 1 for target in plain.plan(every).targets.values())
+    assert len(mixed.plan(every).passes) == len(plain.plan(every).passes) + 3

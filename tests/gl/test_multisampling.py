@@ -15,13 +15,7 @@ from tests.benchmarks.speed import overlapping_quads
 from tests.helpers import collection, opened, random_lists, render, write_method
 
 SIZE = (48, 48)
-SORTED = """
-class Multisampled(Method):
-    expresses = Effect.COVERAGE
-    samples = 4
-    targets = {"color": Target("rgba32f")}
-    passes = (Pass("over.glsl", Draws.FRAGMENTS, writes={"color": OVER}, order=Order.TRIANGLES),)
-"""
+SORTED = '(Gather("over.glsl", writes={"color": OVER}, order=Order.TRIANGLES),)'
 EXACT = (
     "a_buffer[msaa=4]",
     "a_buffer[resolve=iterative,msaa=4]",
@@ -35,6 +29,8 @@ def blended_by_hardware(device: Device, folder: Path, scene: Scene) -> np.ndarra
     write_method(
         folder / "methods" / "multisampled",
         SORTED,
+        '{"color": Target("rgba32f")}',
+        members="expresses = Effect.COVERAGE\nsample_count = 4",
         over="void gather(Fragment fragment) { color = premultiplied(fragment); }",
     )
     (sorted_over,) = Collection.load([folder]).expand_methods(["multisampled"])

@@ -11,9 +11,7 @@ import pytest
 
 from oitbench.effects import Effect
 from oitbench.gl.device import Device
-from oitbench.gl.draws.steps import PassRecord
 from oitbench.gl.frame import Frame, Image
-from oitbench.gl.shading.opaque import count_fragments
 from oitbench.measure import accounting
 from oitbench.modeling.mesh import quad
 from oitbench.plugins import Collection
@@ -81,16 +79,16 @@ def openness(frame: Frame) -> npt.NDArray[np.float64]:
     """Return the openness of each pixel, top row first."""
     assert frame.occlusion is not None
     frame.occlusion.prepare()
-    data = np.frombuffer(frame.occlusion.textures["openness_texture"].read(), dtype=np.uint8)
-    return data.reshape(frame.size[::-1])[::-1] / 255.0
+    data = np.frombuffer(frame.occlusion.samplers["openness_texture"].read(), dtype=np.uint8)
+    return data.reshape(frame.plan.size[::-1])[::-1] / 255.0
 
 
 def set_openness(frame: Frame, values: npt.NDArray[np.float64] | float) -> None:
     """Replace the openness that the frame found by `values`, top row first."""
     assert frame.occlusion is not None
     frame.occlusion.prepare()
-    texels = np.broadcast_to(np.round(255 * np.asarray(values)), frame.size[::-1])[::-1]
-    frame.occlusion.textures["openness_texture"].write(texels.astype(np.uint8).tobytes())
+    texels = np.broadcast_to(np.round(255 * np.asarray(values)), frame.plan.size[::-1])[::-1]
+    frame.occlusion.samplers["openness_texture"].write(texels.astype(np.uint8).tobytes())
 
 
 def found_openness(device: Device, scene: Scene) -> npt.NDArray[np.float64]:
@@ -201,22 +199,21 @@ def test_only_when_called_is_there_anything(device: Device) -> None:
 def test_its_cost_is_told_as_shading(device: Device) -> None:
     with opened(device, leaf(), "alpha_blend", SIZE) as frame:
         frame.render()
-        records: list[PassRecord] = []
-        frame.issue(records)
-        told = accounting.shading(frame)
-        assert [record.name for record in frame.shading_records] == [
+        measured = frame.measure()
+        account = accounting.shading(frame, measured)
+        assert [record.name for record in measured.shading] == [
             "occluders", "occlusion", "occlusion filter",
         ]  # fmt: skip
         # The wall fills the picture, and the leaf's interior is drawn over it.
         pixels = SIDE * SIDE
-        drawn, *screens = (record.fragments for record in frame.shading_records)
+        drawn, *screens = (record.fragments for record in measured.shading)
         assert screens == [pixels, pixels]
         assert pixels < drawn < 2 * pixels
-        memory = {term["resource"]: term["bytes"] for term in told["memory"]["terms"]}
+        memory = {term.resource: term.bytes for term in account.memory.terms}
         assert memory == {"occluders": 4 * pixels, "raw": pixels, "openness": pixels}
-        written = [term for term in told["traffic"]["terms"] if term["kind"] == "write"]
-        assert sum(term["bytes"] for term in written) == 4 * drawn + 2 * pixels
-        assert len(records) == len(frame.passes)
+        written = [term for term in account.traffic.terms if term.kind == "write"]
+        assert sum(term.bytes for term in written) == 4 * drawn + 2 * pixels
+        assert len(measured.passes) == len(frame.plan.passes)
 
 
 # Edges of binary coverage
@@ -283,8 +280,8 @@ def test_fragments_and_interior_are_all_fragments(device: Device, running: Effec
     scene = leaf()
     alpha = coverage_of(device, scene)[::-1]
     with opened(device, scene, "alpha_blend", SIZE, effects=Effect.COVERAGE) as frame:
-        every = count_fragments(device, frame.geometry, SIZE)
-        part = count_fragments(device, frame.geometry, SIZE, Effect.COVERAGE | running)
+        every = frame.scene.fragment_counts(SIZE)
+        part = frame.scene.fragment_counts(SIZE, Effect.COVERAGE | running)
         np.testing.assert_array_equal(every == 1, alpha > 0)
         np.testing.assert_array_equal(every - part, alpha >= 254 / 255)
         assert 0 < part.sum() < every.sum()
@@ -304,7 +301,7 @@ def test_every_method_leaves_interiors_to_the_opaque_picture(device: Device, nam
         assert inside.sum() > 500
         np.testing.assert_array_equal(frame.image()[inside], opaque[inside])
         assert opaque[inside].min() > 0.3
-        if frame.samples == 1:
+        if frame.plan.samples == 1:
             assert (frame.complexity[::-1][inside] == 0).all()
 
 

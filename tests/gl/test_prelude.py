@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import ClassVar
+from typing import Any
 
 import pytest
 
-from oitbench import ADD, COMPOSITE, OVER, Buffer, Draws, Effect, Items, Method, Parameter, Pass
+from oitbench import ADD, COMPOSITE, OVER, Buffer, Effect, Gather, Items, Method, Parameter, Resolve
 from oitbench.errors import DeclarationError
+from oitbench.gl.program import accessors as buffers
 from oitbench.gl.program import prelude
-from oitbench.method.declaration import Target
+from oitbench.gl.program.bindings import Bindings
 from oitbench.method.formats import FORMATS, GLSL_BYTES
+from oitbench.method.passes import Pass
+from oitbench.method.steps import check_pass, indexed_families
+from oitbench.method.storage import Target
 
 TARGETS = {
     "color": Target("rgba16f"),
@@ -27,20 +30,18 @@ BUFFERS = {
 
 
 class Knobs(Method):
-    parameters: ClassVar[Mapping[str, Parameter]] = {
-        "node": Parameter("big-one", choices=("small", "big-one")),
-        "count": Parameter(4),
-        "scale": Parameter(0.5),
-        "fast": Parameter(True),
-    }
+    node = Parameter("big-one", choices=("small", "big-one"))
+    count = Parameter(4)
+    scale = Parameter(0.5)
+    fast = Parameter(True)
 
 
-def gather(**more: object) -> Pass:
-    return Pass("gather.glsl", Draws.FRAGMENTS, **more)  # type: ignore[arg-type]
+def gather(**more: Any) -> Gather:
+    return Gather("gather.glsl", **more)
 
 
 def accessors(step: Pass, counted: bool = False) -> str:
-    return prelude.accessors(step, BUFFERS, prelude.bind(BUFFERS, counted))
+    return buffers.accessors(step, BUFFERS, Bindings.of(BUFFERS, counted))
 
 
 def test_each_written_target_is_an_output_in_order() -> None:
@@ -62,7 +63,7 @@ def test_dual_source_blending_gives_two_outputs_at_one_location() -> None:
 def test_dual_source_blending_allows_no_other_target() -> None:
     step = gather(writes={"color": COMPOSITE, "accum": ADD})
     with pytest.raises(DeclarationError, match=r"gather\.glsl: color blends two sources"):
-        prelude.outputs(step, TARGETS)
+        check_pass(step, TARGETS, {})
 
 
 def test_reads_have_the_type_of_the_texel() -> None:
@@ -118,14 +119,14 @@ def test_only_buffers_of_fragments_are_allocated_from() -> None:
 def test_side_effects_wait_for_the_depth_test() -> None:
     early = "layout(early_fragment_tests) in;"
     assert early in accessors(gather(buffers=("heads",)))
-    assert early not in accessors(Pass("resolve.glsl", Draws.PIXELS, buffers=("heads",)))
+    assert early not in accessors(Resolve("resolve.glsl", buffers=("heads",)))
 
 
 def test_a_counted_build_counts_every_access_and_a_plain_one_none() -> None:
     step = gather(buffers=("heads", "nodes"))
     plain, counted = accessors(step), accessors(step, counted=True)
     assert "counters" not in plain
-    slots = prelude.bind(BUFFERS, True).slots
+    slots = Bindings.of(BUFFERS, True).slots
     for slot in slots.values():
         assert f"+ {slot}u], 1u);" in counted or slot == slots["nodes", "front", "atomic"]
     stripped = [line for line in counted.splitlines() if "CounterBlock" not in line]
@@ -134,10 +135,9 @@ def test_a_counted_build_counts_every_access_and_a_plain_one_none() -> None:
 
 
 def test_parameters_and_effects_are_macros() -> None:
-    text = prelude.macros(Knobs(scale=1.0), Effect.COVERAGE | Effect.VOLUME)
-    assert text.splitlines() == [
-        "#define EFFECT_COVERAGE 1",
-        "#define EFFECT_VOLUME 1",
+    effects = prelude.effect_macros(Effect.COVERAGE | Effect.VOLUME)
+    assert effects.splitlines() == ["#define EFFECT_COVERAGE 1", "#define EFFECT_VOLUME 1"]
+    assert prelude.parameter_macros(Knobs(scale=1.0)).splitlines() == [
         "#define NODE_SMALL 0",
         "#define NODE_BIG_ONE 1",
         "#define NODE 1",
@@ -150,18 +150,18 @@ def test_parameters_and_effects_are_macros() -> None:
 def test_undeclared_names_bring_the_nearest() -> None:
     near = r"gather\.glsl: unknown target 'acum'; did you mean accum"
     with pytest.raises(DeclarationError, match=near):
-        prelude.outputs(gather(writes={"acum": ADD}), TARGETS)
+        check_pass(gather(writes={"acum": ADD}), TARGETS, {})
     with pytest.raises(DeclarationError, match=near):
-        prelude.reads(gather(reads=("acum",)), TARGETS)
+        check_pass(gather(reads=("acum",)), TARGETS, {})
     with pytest.raises(DeclarationError, match="unknown buffer 'node'; did you mean nodes"):
-        accessors(gather(buffers=("node",)))
+        check_pass(gather(buffers=("node",)), TARGETS, BUFFERS)
     with pytest.raises(DeclarationError, match="unknown texture format 'rgb16f'; did you mean"):
         _ = Target("rgb16f").texel
 
 
 def test_a_target_cannot_be_read_while_it_is_written() -> None:
     with pytest.raises(DeclarationError, match="reads and writes 'accum' in one pass"):
-        prelude.reads(gather(reads=("accum",), writes={"accum": ADD}), TARGETS)
+        check_pass(gather(reads=("accum",), writes={"accum": ADD}), TARGETS, {})
 
 
 def test_the_tables_of_sizes_agree_with_their_names() -> None:
@@ -193,4 +193,4 @@ def test_numbered_targets_are_reached_by_index() -> None:
 def test_only_targets_numbered_from_zero_are_a_family(
     names: list[str], found: dict[str, int]
 ) -> None:
-    assert prelude.families(names) == found
+    assert indexed_families(names) == found

@@ -12,12 +12,10 @@ import pytest
 from oitbench.effects import Effect
 from oitbench.gl.device import Device
 from oitbench.gl.frame import Image
-from oitbench.gl.geometry import Geometry
-from oitbench.gl.shading.lighting import Lighting
-from oitbench.method.declaration import Method, Target
+from oitbench.gl.uploaded_scene import UploadedScene
 from oitbench.modeling.mesh import quad, sphere
 from oitbench.scene import BLACK, RGB, Camera, DirectionalLight, Material, Object, Scene, SpotLight
-from tests.helpers import opened
+from tests.helpers import Empty, opened
 
 Floats = npt.NDArray[np.float64]
 SIZE = (64, 64)
@@ -26,13 +24,6 @@ SUN = DirectionalLight((0.0, -1.0, 0.0), (math.pi, math.pi, math.pi))
 ALL = Effect.SHADOWS | Effect.TRANSLUCENT_SHADOWS | Effect.COLORED_SHADOWS | Effect.CAUSTICS
 WALKER = {1.3: 0.316, 1.5: 0.242, 2.0: 0.129}
 """Part of its light that a solid of this index keeps back at normal incidence."""
-
-
-class Empty(Method):
-    """Shows the opaque picture, in full precision."""
-
-    name = "empty"
-    targets = {"color": Target("rgba32f")}  # noqa: RUF012
 
 
 def level(name: str, height: float, half: float, material: Material, **more: bool) -> Object:
@@ -108,13 +99,13 @@ def test_two_panes_multiply(device: Device) -> None:
 def test_three_maps_of_grey_light_equal_one(device: Device) -> None:
     scene = under(Material(transmission=(0.4, 0.4, 0.4)))
     one = lit(device, scene)
-    geometry = Geometry(device, scene)
     counts = []
     for forced in (Effect.NONE, Effect.COLORED_SHADOWS):
         effects = (scene.effects & ALL) | forced
-        counts.append(Lighting(device, geometry, effects).maps[0].channels)  # type: ignore[union-attr]
         with opened(device, scene, Empty(), SIZE, effects=effects) as frame:
             frame.render()
+            assert frame.lighting is not None
+            counts += [maps.channels for maps in frame.lighting.maps if maps is not None]
             np.testing.assert_array_equal(frame.image()[16:48, 16:48], one)
     assert counts == [1, 3]
 
@@ -225,7 +216,6 @@ def test_grazing_floors_have_no_acne(device: Device) -> None:
 
 def test_what_is_not_called_for_allocates_nothing(device: Device) -> None:
     scene = under(Material(transmission=(0.9, 0.4, 0.6), index=1.5, solid=True))
-    geometry = Geometry(device, scene)
     sizes = []
     for effects in (
         Effect.NONE,
@@ -233,7 +223,10 @@ def test_what_is_not_called_for_allocates_nothing(device: Device) -> None:
         Effect.SHADOWS | Effect.TRANSLUCENT_SHADOWS,
         ALL,
     ):
-        sizes.append(sum(size for _, size in Lighting(device, geometry, effects).memory()))
+        with UploadedScene(device, scene) as uploaded:
+            lighting = uploaded.lighting(effects)
+            assert lighting is not None
+            sizes.append(sum(size for _, size in lighting.memory()))
     assert sizes[0] == 0
     assert sizes == sorted(set(sizes))
 

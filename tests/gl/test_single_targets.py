@@ -13,17 +13,12 @@ from oitbench.modeling.mesh import quad
 from oitbench.scene import WHITE, Camera, Material, Object, Scene
 from tests.helpers import opened, stranger, write_method
 
-DECLARED = """
-class Counting(Method):
-    samples = 4
-    targets = {"one": Target("r32f", single=True), "four": Target("r32f")}
-    passes = %s
-"""
+TARGETS = '{"one": Target("r32f", single=True), "four": Target("r32f")}'
 APART = """(
-        Pass("one.glsl", Draws.FRAGMENTS, writes={"one": ADD}),
-        Pass("four.glsl", Draws.FRAGMENTS, writes={"four": ADD}),
+        Gather("one.glsl", writes={"one": ADD}),
+        Gather("four.glsl", writes={"four": ADD}),
     )"""
-TOGETHER = """(Pass("one.glsl", Draws.FRAGMENTS, writes={"one": ADD, "four": ADD}),)"""
+TOGETHER = """(Gather("one.glsl", writes={"one": ADD, "four": ADD}),)"""
 SHADERS = {name: f"void gather(Fragment fragment) {{ {name} = 1.0; }}" for name in ("one", "four")}
 
 
@@ -38,7 +33,13 @@ def leaning() -> Scene:
 def test_a_single_target_counts_centers_and_the_others_samples(
     device: Device, leaning: Scene, tmp_path: Path
 ) -> None:
-    chosen = stranger(str(write_method(tmp_path / "counting", DECLARED % APART, **SHADERS)))
+    chosen = stranger(
+        str(
+            write_method(
+                tmp_path / "counting", APART, TARGETS, members="sample_count = 4", **SHADERS
+            )
+        )
+    )
     with opened(device, leaning, chosen, (64, 64)) as frame:
         frame.render()
         one, four = frame.read("one")[..., 0], frame.read("four")[..., 0]
@@ -53,7 +54,7 @@ def test_a_single_target_counts_centers_and_the_others_samples(
 def test_a_pass_writes_single_targets_or_others(
     device: Device, leaning: Scene, tmp_path: Path
 ) -> None:
-    chosen = stranger(str(write_method(tmp_path / "mixed", DECLARED % TOGETHER, **SHADERS)))
+    chosen = stranger(str(write_method(tmp_path / "mixed", TOGETHER, TARGETS, **SHADERS)))
     refused = pytest.raises(DeclarationError, match="all targets or none must be single")
     with refused, opened(device, leaning, chosen, (8, 8)):
         pass

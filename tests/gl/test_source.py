@@ -12,16 +12,13 @@ from oitbench.gl.program.source import Source
 from oitbench.plugins import Collection
 from tests.helpers import Layer, render, stack, write_method
 
-SIMPLE = """
-class Simple(Method):
-    passes = (Pass("draw.glsl", Draws.FRAGMENTS, writes={"color": ADD}),)
-"""
+SIMPLE = '(Gather("draw.glsl", writes={"color": ADD}),)'
 
 
 def source_of(folder: Path, **files: str) -> Source:
     for name, text in files.items():
         (folder / f"{name}.glsl").write_text(text)
-    return Source(folder)
+    return Source([folder])
 
 
 def failure(device: Device, folder: Path, **shaders: str) -> str:
@@ -68,17 +65,38 @@ def test_includes_may_nest_and_repeat_but_not_recur(tmp_path: Path) -> None:
         source.add_file("loop.glsl")
 
 
-def test_a_methods_file_goes_before_a_shared_one_of_that_name(tmp_path: Path) -> None:
-    source = source_of(tmp_path, count="// mine\n")
-    source.add_file("count.glsl")
-    source.add_file("fragment.glsl")
+def test_engine_shaders_are_never_looked_up_in_a_methods_folder(tmp_path: Path) -> None:
+    source = source_of(tmp_path, random="// mine\n", own='#include "oitbench/random.glsl"\n')
+    source.add_engine_file("shadow_map.glsl")
+    source.add_file("own.glsl")
+    assert "// mine" not in source.text
+    assert source.text.count("uvec3 hash(uvec3 v)") == 2
+    source.add_file("random.glsl")
     assert "// mine" in source.text
-    assert "struct Fragment" in source.text
+
+
+def test_a_methods_folder_goes_before_its_collections(tmp_path: Path) -> None:
+    own, shared = tmp_path / "own", tmp_path / "glsl"
+    for folder, names in ((own, ("a",)), (shared, ("a", "b"))):
+        folder.mkdir()
+        for name in names:
+            (folder / f"{name}.glsl").write_text(f"// {name} of {folder.name}\n")
+    source = Source([own, shared])
+    source.add_file("a.glsl")
+    source.add_file("b.glsl")
+    assert source.lines == ["// a of own", "// b of glsl"]
+
+
+def test_a_kits_shader_finds_the_files_of_the_method(tmp_path: Path) -> None:
+    source = source_of(tmp_path, curve="// mine\n")
+    source.add_file("absorbance/build.glsl")
+    assert "// mine" in source.text
+    assert any(place.startswith("oitbench/method/kits/absorbance/") for place, _ in source.places)
 
 
 def test_a_missing_file_is_told_with_its_folder(tmp_path: Path) -> None:
     with pytest.raises(DeclarationError, match=r"there is no shader 'nothing\.glsl'") as caught:
-        Source(tmp_path).add_file("nothing.glsl")
+        Source([tmp_path]).add_file("nothing.glsl")
     assert str(tmp_path) in str(caught.value)
 
 

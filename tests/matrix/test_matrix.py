@@ -16,13 +16,16 @@ import pytest
 from oitbench.effects import SHADING, Effect, names
 from oitbench.errors import CapabilityError, UsageError
 from oitbench.gl.frame import Frame
-from oitbench.image.files import read_exr
-from oitbench.matrix import run as matrix
-from oitbench.matrix.cell import Bench, Cell, choose_effects
-from oitbench.matrix.run import Outcome
+from oitbench.image.files import read_exr, read_flip_maps
+from oitbench.image.metrics import FLIP_HDR, FLIP_LDR
+from oitbench.matrix.bench import Bench
+from oitbench.matrix.cell import Cell, choose_effects
+from oitbench.matrix.plan import plan_matrix
+from oitbench.matrix.run import Summary, run_matrix
 from oitbench.measure import timing
 from oitbench.plugins import Collection
-from oitbench.results.store import Record
+from oitbench.results.schema import EffectNames, Nonfinite, Outcome, Record
+from oitbench.results.store import CELLS, read_cells
 from tests.plugins import misbehaving
 
 SIZE = (32, 32)
@@ -35,13 +38,11 @@ def plugins(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def run(
     plugins: Path, out: Path, scenes: list[str], methods: list[str], **more: Any
-) -> tuple[Outcome, dict[tuple[str, str], Record]]:
-    """Run these cells without sub-pixels; return the outcome, and the records by their names."""
+) -> tuple[Summary, dict[tuple[str, str], Record]]:
+    """Run these cells without sub-pixels; return the summary, and the records by their names."""
     given = {"size": SIZE, "ssaa": 1, "out": out, "collections": [plugins], **more}
-    outcome = matrix.run(matrix.plan(scenes, methods, **given))
-    lines = (out / "cells.jsonl").read_text().splitlines()
-    records = [json.loads(line) for line in lines]
-    return outcome, {(record["scene"], record["method"]): record for record in records}
+    summary = run_matrix(plan_matrix(scenes, methods, **given))
+    return summary, {(record.scene, record.method): record for record in records_of(out)}
 
 
 @pytest.fixture(scope="module")
@@ -53,39 +54,50 @@ def finished(plugins: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def records_of(folder: Path) -> list[Record]:
-    return [json.loads(line) for line in (folder / "cells.jsonl").read_text().splitlines()]
+    return list(read_cells(folder / CELLS).values())
+
+
+def outcome_of(record: Record) -> Outcome:
+    assert record.outcome is not None
+    return record.outcome
 
 
 def test_every_cell_becomes_one_record(finished: Path) -> None:
     records = records_of(finished)
-    assert {(r["scene"], r["method"]) for r in records} == {
+    assert {(r.scene, r.method) for r in records} == {
         (scene, name)
         for scene in ("calm", "restless[count=5]")
         for name in ("alpha_blend", "a_buffer[node=compact]")
     }
-    assert {r["status"] for r in records} == {"ok"}
+    assert {r.status for r in records} == {"ok"}
 
 
 def test_a_record_holds_all_that_reports_need(finished: Path) -> None:
-    record = next(r for r in records_of(finished) if r["method"] == "a_buffer[node=compact]")
-    assert record["name"] == "a_buffer"
-    assert record["params"] == {"node": "compact", "resolve": "sorted", "msaa": 1}
-    assert record["size"] == list(SIZE)
-    assert record["effects"] == {"called": ["COVERAGE"], "expressed": ["COVERAGE"], "missing": []}
-    layers = 3 if record["scene"] == "calm" else 5
-    assert record["max_depth_complexity"] == layers
-    assert record["fragments"] == layers * 32 * 32
-    heads = next(t for t in record["memory"]["terms"] if t["resource"] == "heads")
-    assert heads["bytes"] == 4 * 32 * 32
-    assert record["traffic"]["bytes"] == sum(t["bytes"] for t in record["traffic"]["terms"])
-    assert record["nonfinite"] == {"nan": 0, "inf": 0, "negative": 0}
-    assert 0 < record["metrics"]["exact"]["rmse_lin"] < 0.01
-    assert "path" in record["metrics"]["path_traced"]["reason"]
-    samples = record["time"]["frame_ms"]["samples"]
-    assert len(samples) >= 3
-    assert [p["name"] for p in record["time"]["passes"]] == ["capture", "resolve_sorted"]
-    assert read_exr(finished / record["images"]["color"]).shape == (32, 32, 3)
-    assert (finished / record["images"]["exact"]).is_file()
+    record = next(r for r in records_of(finished) if r.method == "a_buffer[node=compact]")
+    outcome = outcome_of(record)
+    assert record.name == "a_buffer"
+    assert outcome.parameters == {"node": "compact", "resolve": "sorted", "msaa": 1}
+    assert record.size == SIZE
+    assert outcome.effects == EffectNames(["COVERAGE"], ["COVERAGE"], [])
+    layers = 3 if record.scene == "calm" else 5
+    assert outcome.max_depth_complexity == layers
+    assert outcome.fragments == layers * 32 * 32
+    heads = next(term for term in outcome.memory.terms if term.resource == "heads")
+    assert heads.bytes == 4 * 32 * 32
+    assert outcome.traffic.bytes == sum(term.bytes for term in outcome.traffic.terms)
+    assert outcome.nonfinite == Nonfinite()
+    error = record.metric("exact", "rmse_lin")
+    assert error is not None
+    assert 0 < error < 0.01
+    assert "path" in outcome.scores["path_traced"].reason
+    assert record.time is not None
+    assert len(record.time.frame_ms.samples) >= 3
+    assert [p.name for p in record.time.passes] == ["capture", "resolve_sorted"]
+    assert read_exr(finished / outcome.images["color"]).shape == (32, 32, 3)
+    assert (finished / outcome.images["exact"]).is_file()
+    ldr, hdr = read_flip_maps(finished / outcome.images["flip_exact"])
+    assert ldr.mean() == pytest.approx(record.metric("exact", FLIP_LDR), abs=1e-3)
+    assert hdr.mean() == pytest.approx(record.metric("exact", FLIP_HDR), abs=1e-3)
 
 
 def test_run_json_tells_where_it_ran(finished: Path) -> None:
@@ -96,8 +108,8 @@ def test_run_json_tells_where_it_ran(finished: Path) -> None:
 
 def test_a_second_run_keeps_finished_cells(plugins: Path, finished: Path) -> None:
     before = records_of(finished)
-    outcome, _ = run(plugins, finished, ["calm"], ["alpha_blend", "a_buffer[node=compact]"])
-    assert (outcome.kept, outcome.statuses) == (2, {})
+    summary, _ = run(plugins, finished, ["calm"], ["alpha_blend", "a_buffer[node=compact]"])
+    assert (summary.kept, summary.statuses) == (2, {})
     assert records_of(finished) == before
 
 
@@ -106,54 +118,54 @@ def test_half_a_line_of_a_killed_run_costs_that_cell_alone(plugins: Path, tmp_pa
     run(plugins, tmp_path, ["calm"], methods)
     cells = tmp_path / "cells.jsonl"
     cells.write_text(cells.read_text()[:-40])
-    outcome, records = run(plugins, tmp_path, ["calm"], methods)
-    assert (outcome.kept, outcome.statuses) == (1, {"ok": 1})
+    summary, records = run(plugins, tmp_path, ["calm"], methods)
+    assert (summary.kept, summary.statuses) == (1, {"ok": 1})
     assert {name for _, name in records} == set(methods)
 
 
 def test_force_does_finished_cells_again(plugins: Path, finished: Path) -> None:
-    outcome, _ = run(plugins, finished, ["calm"], ["alpha_blend"], force=True)
-    assert (outcome.kept, outcome.statuses) == (0, {"ok": 1})
+    summary, _ = run(plugins, finished, ["calm"], ["alpha_blend"], force=True)
+    assert (summary.kept, summary.statuses) == (0, {"ok": 1})
     assert len(records_of(finished)) == 4
 
 
 def test_one_bad_cell_does_not_hurt_the_others(plugins: Path, tmp_path: Path) -> None:
     broken = str(plugins / "methods" / "broken")
     methods = [broken, "demanding", "unstable", "alpha_blend"]
-    outcome, records = run(
+    summary, records = run(
         plugins, tmp_path, ["calm", "crasher", "raiser", "poisoned"], methods, workers=2
     )
     told = {name: records["calm", name] for name in ("broken", "demanding", "unstable")}
-    assert told["broken"]["status"] == "failed"
-    assert f"{broken}/draw.glsl:2: error" in told["broken"]["reason"]
-    assert told["demanding"]["status"] in ("skipped", "failed")
-    assert "no_such_thing" in told["demanding"]["reason"]
-    assert told["unstable"]["status"] == "unstable"
-    assert told["unstable"]["nonfinite"]["nan"] == 32 * 32
-    assert told["unstable"]["reason"] == "pixels: 1024 nan"
-    assert records["calm", "alpha_blend"]["status"] == "ok"
-    assert records["calm", "alpha_blend"]["time"] is not None
+    assert told["broken"].status == "failed"
+    assert f"{broken}/draw.glsl:2: error" in told["broken"].reason
+    assert told["demanding"].status in ("skipped", "failed")
+    assert "no_such_thing" in told["demanding"].reason
+    assert told["unstable"].status == "unstable"
+    assert outcome_of(told["unstable"]).nonfinite.nan == 32 * 32
+    assert told["unstable"].reason == "pixels: 1024 nan"
+    assert records["calm", "alpha_blend"].status == "ok"
+    assert records["calm", "alpha_blend"].time is not None
     for scene, reason in (
         ("crasher", "the worker process ended with code 7"),
         ("raiser", "ValueError: the scene is unwell"),
         ("poisoned", "background holds NaN or infinity"),
     ):
-        assert records[scene, "alpha_blend"]["status"] == "failed"
-        assert reason in records[scene, "alpha_blend"]["reason"]
-    assert sum(outcome.statuses.values()) == 16
+        assert records[scene, "alpha_blend"].status == "failed"
+        assert reason in records[scene, "alpha_blend"].reason
+    assert sum(summary.statuses.values()) == 16
 
 
 def test_failed_cells_are_tried_again(plugins: Path, tmp_path: Path) -> None:
     for _ in range(2):
-        outcome, _ = run(plugins, tmp_path, ["poisoned"], ["alpha_blend"])
-        assert (outcome.kept, outcome.statuses) == (0, {"failed": 1})
+        summary, _ = run(plugins, tmp_path, ["poisoned"], ["alpha_blend"])
+        assert (summary.kept, summary.statuses) == (0, {"failed": 1})
 
 
 def test_a_cell_that_hangs_is_ended(plugins: Path, tmp_path: Path) -> None:
     _, records = run(plugins, tmp_path, ["sleeper", "calm"], ["alpha_blend"], timeout=4.0)
-    assert records["sleeper", "alpha_blend"]["status"] == "timeout"
-    assert records["sleeper", "alpha_blend"]["reason"] == "took longer than 4 s"
-    assert records["calm", "alpha_blend"]["status"] == "ok"
+    assert records["sleeper", "alpha_blend"].status == "timeout"
+    assert records["sleeper", "alpha_blend"].reason == "took longer than 4 s"
+    assert records["calm", "alpha_blend"].status == "ok"
 
 
 def test_a_stopped_run_ends_at_once_and_keeps_what_is_done(plugins: Path, tmp_path: Path) -> None:
@@ -169,13 +181,13 @@ def test_a_stopped_run_ends_at_once_and_keeps_what_is_done(plugins: Path, tmp_pa
         _, told = process.communicate(timeout=60)
     assert process.returncode == 130
     assert "run again to resume" in told
-    assert [r["scene"] for r in records_of(tmp_path)] == ["calm"]
+    assert [r.scene for r in records_of(tmp_path)] == ["calm"]
 
 
 def test_a_driver_is_told_what_no_frame_can_be(plugins: Path, tmp_path: Path) -> None:
     _, records = run(plugins, tmp_path, ["calm"], ["alpha_blend"], size=(1_000_000, 1))
-    assert records["calm", "alpha_blend"]["status"] == "failed"
-    assert "the driver's limit" in records["calm", "alpha_blend"]["reason"]
+    assert records["calm", "alpha_blend"].status == "failed"
+    assert "the driver's limit" in records["calm", "alpha_blend"].reason
 
 
 def test_plans_are_checked_before_anything_is_done(plugins: Path, tmp_path: Path) -> None:
@@ -188,34 +200,34 @@ def test_plans_are_checked_before_anything_is_done(plugins: Path, tmp_path: Path
         ({"methods": ["alpha_bland"]}, "did you mean alpha_blend"),
     ):
         with pytest.raises(UsageError, match=told):
-            matrix.plan(**{"out": tmp_path / "out", **wrong})  # type: ignore[arg-type]
+            plan_matrix(**{"out": tmp_path / "out", **wrong})  # type: ignore[arg-type]
     assert not (tmp_path / "out").exists()
 
 
 def axis(scene: str, method: str, *effects: str, **more: Any) -> list[str]:
     """Return the effects of the cells that are planned for one scene and method."""
-    planned = matrix.plan([scene], [method], effects=effects, **more)
+    planned = plan_matrix([scene], [method], effects=effects, **more)
     return [cell.effects for cell in planned.cells]
 
 
 def test_each_effect_is_left_out_in_turn() -> None:
     shadows = ["-shadows", "-translucent_shadows", "-colored_shadows", "-caustics"]
     # One refracts and one does not; shading is there for both.
-    assert axis("shadow_trio", "phenomenological", "each") == ["called", "-refraction", *shadows]
-    assert axis("shadow_trio", "sorted_over", "each") == ["called", *shadows]
+    assert axis("shadow_trio", "phenomenological", "each") == ["requested", "-refraction", *shadows]
+    assert axis("shadow_trio", "sorted_over", "each") == ["requested", *shadows]
     # That the glass is colored is nothing that this method would draw differently without.
     assert "-colored_transmission" in axis("shadow_trio", "dual_depth_peeling", "each")
-    assert axis("layer_stack", "phenomenological", "each") == ["called"]
+    assert axis("layer_stack", "phenomenological", "each") == ["requested"]
 
 
 def test_effects_that_are_asked_for_twice_make_one_cell() -> None:
-    asked = ("called", "each", "-caustics", "none")
+    asked = ("requested", "each", "-caustics", "none")
     shadows = ["-shadows", "-translucent_shadows", "-colored_shadows", "-caustics"]
-    assert axis("shadow_trio", "sorted_over", *asked) == ["called", *shadows, "none"]
+    assert axis("shadow_trio", "sorted_over", *asked) == ["requested", *shadows, "none"]
 
 
 def test_a_scene_that_cannot_be_built_is_planned_all_the_same(plugins: Path) -> None:
-    assert axis("raiser", "sorted_over", "each", collections=[plugins]) == ["called"]
+    assert axis("raiser", "sorted_over", "each", collections=[plugins]) == ["requested"]
 
 
 def test_with_an_effect_goes_what_means_nothing_without_it() -> None:
@@ -233,15 +245,15 @@ def test_what_is_timed_is_what_was_rendered(
 ) -> None:
     timed: list[Effect] = []
 
-    def measure(frames: dict[str, Frame], *_: Any) -> dict[str, timing.Timing]:
-        timed.extend(frame.effects for frame in frames.values())
-        return dict.fromkeys(frames, timing.Timing([1.0], [0.0]))
+    def measure(frames: dict[str, Frame], *_: Any) -> dict[str, timing.Samples]:
+        timed.extend(frame.plan.effects for frame in frames.values())
+        return dict.fromkeys(frames, timing.Samples([1.0], [0.0]))
 
     monkeypatch.setattr(timing, "measure", measure)
     bench = Bench(Collection.load(), tmp_path)
     cells = [
         Cell("shadow_trio[detail=0.05]", "sorted_over", (8, 8), effects=effects)
-        for effects in ("called", "-translucent_shadows")
+        for effects in ("requested", "-translucent_shadows")
     ]
     bench.time(cells, rounds=1, budget=0.0)
     bench.device.release()

@@ -8,11 +8,12 @@ import numpy as np
 import pytest
 
 from oitbench.gl.device import Device
-from oitbench.gl.draws.steps import PassRecord
+from oitbench.gl.draws.records import PassRecord, Term
 from oitbench.gl.frame import Frame
 from oitbench.measure import accounting
-from oitbench.measure.accounting import Term
+from oitbench.method.passes import Gather
 from oitbench.modeling.mesh import quad
+from oitbench.results.schema import MemoryTerm, TrafficTerm
 from oitbench.scene import WHITE, Camera, Material, Object, Scene
 from tests.helpers import collection, method, opened, random_lists, render, scene_of
 
@@ -40,15 +41,14 @@ def half_hidden() -> Scene:
     return Scene("hidden", Camera((0, 0, 0), (0, 0, -1)), (*panes, wall, behind))
 
 
-def measured(frame: Frame) -> tuple[list[Term], list[PassRecord]]:
+def measured(frame: Frame) -> tuple[list[TrafficTerm], list[PassRecord]]:
     """Render, then measure one more frame, as cells do."""
     frame.render()
-    records: list[PassRecord] = []
-    frame.issue(records)
-    return accounting.traffic(frame, records), records
+    measured = frame.measure()
+    return accounting.traffic(frame, measured).terms, measured.passes
 
 
-def total(terms: list[Term], pass_: str, *kinds: str) -> int:
+def total(terms: list[TrafficTerm], pass_: str, *kinds: str) -> int:
     return sum(t.bytes for t in terms if t.pass_ == pass_ and (not kinds or t.kind in kinds))
 
 
@@ -58,12 +58,12 @@ def test_an_a_buffer_takes_a_head_a_pixel_and_a_record_a_fragment(
 ) -> None:
     with opened(device, planes, f"a_buffer[node={node}]", SIZE) as frame:
         facts = accounting.memory(frame)
-        assert facts["terms"] == [
-            {"resource": "heads", "bytes": 4 * PIXELS},
-            {"resource": "nodes", "bytes": record * 4 * PIXELS},
-            {"resource": "nodes allocator", "bytes": 8 * TILES},
+        assert facts.terms == [
+            MemoryTerm("heads", 4 * PIXELS),
+            MemoryTerm("nodes", record * 4 * PIXELS),
+            MemoryTerm("nodes allocator", 8 * TILES),
         ]
-        assert facts["bytes"] == sum(term["bytes"] for term in facts["terms"])
+        assert facts.bytes == sum(term.bytes for term in facts.terms)
 
 
 @pytest.mark.parametrize(
@@ -74,7 +74,7 @@ def test_memory_without_lists_is_so_many_bits_a_pixel(
     device: Device, planes: Scene, name: str, bits: int
 ) -> None:
     with opened(device, planes, name, SIZE) as frame:
-        assert accounting.memory(frame)["bits_per_pixel"] == bits
+        assert accounting.memory(frame).bits_per_pixel == bits
 
 
 @pytest.mark.parametrize(
@@ -93,7 +93,7 @@ def test_blending_moves_so_many_bytes_a_fragment(
 ) -> None:
     with opened(device, planes, name, SIZE) as frame:
         terms, records = measured(frame)
-        gathers = {item.name for item in frame.passes if item.draws.value == "fragments"}
+        gathers = {item.name for item in frame.plan.passes if isinstance(item, Gather)}
         moved = sum(total(terms, gather, *BLENDING) for gather in gathers)
         assert moved == size * 4 * PIXELS
         assert {r.name: r.fragments for r in records if r.name in gathers} == dict.fromkeys(
@@ -177,14 +177,6 @@ def test_hidden_fragments_are_not_counted(device: Device, half_hidden: Scene, na
 def test_a_terms_bytes_are_items_times_size() -> None:
     term = Term("gather", "accum", "blend", 100, 8)
     assert term.bytes == 800
-    assert term.facts() == {
-        "pass": "gather",
-        "resource": "accum",
-        "kind": "blend",
-        "items": 100,
-        "bytes_per_item": 8,
-        "bytes": 800,
-    }
 
 
 def test_every_method_of_the_suite_can_be_accounted_for(device: Device, planes: Scene) -> None:

@@ -8,8 +8,9 @@ import pytest
 
 from oitbench.gl.device import Device
 from oitbench.image import metrics
-from oitbench.matrix import run as matrix
-from oitbench.matrix.cell import Bench, Cell
+from oitbench.matrix.bench import Bench
+from oitbench.matrix.cell import Cell
+from oitbench.matrix.plan import PRESETS, plan_matrix
 from oitbench.plugins import Collection
 
 
@@ -20,8 +21,10 @@ def bench(device: Device, tmp_path: Path) -> Bench:
 
 def spread(bench: Bench, method: str, permutations: int) -> tuple[float | None, float | None]:
     cell = Cell("layer_stack", method, (32, 24), ssaa=1, permutations=permutations)
-    exact = bench.run(cell)["metrics"]["exact"]
-    return exact[metrics.ORDER_SPREAD_MAX], exact[metrics.ORDER_SPREAD_MEAN]
+    record = bench.run(cell)
+    names = (metrics.ORDER_SPREAD_MAX, metrics.ORDER_SPREAD_MEAN)
+    most, mean = (record.metric("exact", name) for name in names)
+    return most, mean
 
 
 def test_only_methods_that_depend_on_order_spread(bench: Bench) -> None:
@@ -35,7 +38,7 @@ def test_only_methods_that_depend_on_order_spread(bench: Bench) -> None:
 
 
 def test_larger_presets_try_more_orders() -> None:
-    tried = {name: preset.permutations for name, preset in matrix.PRESETS.items()}
+    tried = {name: preset.permutations for name, preset in PRESETS.items()}
     assert tried["quick"] < tried["standard"] == tried["paper"] == 16
-    (cell,) = matrix.plan(["layer_stack"], ["a_buffer"], "standard").cells
+    (cell,) = plan_matrix(["layer_stack"], ["a_buffer"], "standard").cells
     assert cell.permutations == 16

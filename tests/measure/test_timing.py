@@ -8,8 +8,10 @@ from typing import Any, cast
 import numpy as np
 import pytest
 
-from oitbench.gl.frame import Frame
-from oitbench.measure.timing import Timing, interval, measure
+from oitbench.gl.draws.records import PassRecord
+from oitbench.gl.frame import Frame, FrameMeasurement
+from oitbench.measure.timing import Samples, interval, measure, times
+from oitbench.results.schema import Interval, PassTime
 
 
 class FakeFrame:
@@ -22,8 +24,7 @@ class FakeFrame:
         assert permutation is None
         return 0.25
 
-    def issue(self, check: bool = True) -> None:
-        assert not check
+    def issue(self) -> None:
         self.log.append(self.name)
 
     def finish(self) -> None:
@@ -34,32 +35,32 @@ def rounds_of(names: str, log: Sequence[str]) -> list[tuple[str, ...]]:
     return [tuple(log[i : i + len(names)]) for i in range(0, len(log), len(names))]
 
 
-def measured(names: str, rounds: int, budget: float, **more: Any) -> tuple[dict[str, Timing], Any]:
+def measured(names: str, rounds: int, budget: float, **more: Any) -> tuple[dict[str, Samples], Any]:
     log: list[str] = []
     frames = {name: cast(Frame, FakeFrame(name, log)) for name in names}
     return measure(frames, rounds, budget, **more), rounds_of(names, log)
 
 
 def test_equal_samples_leave_no_doubt() -> None:
-    assert interval([3.0] * 5) == {"median": 3.0, "low": 3.0, "high": 3.0, "samples": [3.0] * 5}
+    assert interval([3.0] * 5) == Interval(3.0, 3.0, 3.0, [3.0] * 5)
 
 
 def test_one_sample_is_its_own_interval() -> None:
-    assert interval([7.5]) == {"median": 7.5, "low": 7.5, "high": 7.5, "samples": [7.5]}
+    assert interval([7.5]) == Interval(7.5, 7.5, 7.5, [7.5])
 
 
 def test_the_interval_of_known_samples_holds_the_true_median() -> None:
     samples = np.random.default_rng(5).normal(10.0, 1.0, 401).tolist()
     found = interval(samples)
-    assert found["samples"] == samples
-    assert found["median"] == np.median(samples)
-    assert found["low"] < 10.0 < found["high"]
+    assert found.samples == samples
+    assert found.median == np.median(samples)
+    assert found.low < 10.0 < found.high
     # 1.253 σ/√n is the standard error of a normal sample's median.
-    assert (found["high"] - found["low"]) / 2 == pytest.approx(1.96 * 1.253 / 401**0.5, rel=0.4)
+    assert (found.high - found.low) / 2 == pytest.approx(1.96 * 1.253 / 401**0.5, rel=0.4)
 
 
 def test_an_outlier_moves_the_mean_but_not_the_median() -> None:
-    assert interval([1.0, 1.0, 1.0, 1.0, 900.0])["median"] == 1.0
+    assert interval([1.0, 1.0, 1.0, 1.0, 900.0]).median == 1.0
 
 
 def test_the_interval_repeats_exactly() -> None:
@@ -86,8 +87,11 @@ def test_a_spent_budget_ends_after_three_rounds() -> None:
     assert len(timings["a"].frame_ms) == 3
 
 
-def test_facts_keep_frame_and_sort_apart() -> None:
-    facts = Timing([2.0, 4.0, 9.0], [0.5, 0.25, 0.75]).facts()
-    assert facts["sort_ms"] == 0.5
-    assert facts["frame_ms"]["median"] == 4.0
-    assert facts["frame_ms"]["samples"] == [2.0, 4.0, 9.0]
+def test_times_keep_frame_sort_and_passes_apart() -> None:
+    passes = FrameMeasurement([PassRecord("over", 1, 12, 0.5)], [PassRecord("maps", 2, 7, 1.5)], [])
+    found = times(Samples([2.0, 4.0, 9.0], [0.5, 0.25, 0.75]), passes)
+    assert found.sort_ms == 0.5
+    assert found.frame_ms.median == 4.0
+    assert found.frame_ms.samples == [2.0, 4.0, 9.0]
+    assert found.passes == [PassTime("over", 0.5, 12)]
+    assert found.shading == [PassTime("maps", 1.5, 7)]

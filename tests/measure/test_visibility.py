@@ -12,8 +12,8 @@ import pytest
 from oitbench.cli import main
 from oitbench.errors import UsageError
 from oitbench.gl.device import Device
-from oitbench.gl.geometry import Geometry
 from oitbench.gl.probe import probe
+from oitbench.gl.uploaded_scene import UploadedScene
 from oitbench.measure import visibility
 from oitbench.measure.oracle import composite
 from oitbench.report.visibility import write
@@ -33,9 +33,8 @@ def one_pixel(*layers: Layer) -> FragmentLists:
 @pytest.mark.parametrize("pixel", [(48, 40), (40, 30), (57, 50)])
 def test_the_probe_finds_what_the_pixel_is_made_of(device: Device, pixel: tuple[int, int]) -> None:
     scene = collection().build_scene("smoke_ball[detail=0.1]")
-    geometry = Geometry(device, scene)
-    found = probe(device, geometry, SIZE, pixel)
-    geometry.release()
+    with UploadedScene(device, scene) as uploaded:
+        found = probe(uploaded, SIZE, pixel)
     with opened(device, scene, "a_buffer", SIZE) as frame:
         frame.render()
         row, column = pixel[1], pixel[0]
@@ -47,18 +46,16 @@ def test_the_probe_finds_what_the_pixel_is_made_of(device: Device, pixel: tuple[
 
 def test_the_probe_keeps_the_order_of_the_draws(device: Device) -> None:
     lists = random_lists(40)
-    geometry = Geometry(device, scene_of(lists))
-    found = probe(device, geometry, (16, 16), (3, 5))
-    geometry.release()
+    with UploadedScene(device, scene_of(lists)) as uploaded:
+        found = probe(uploaded, (16, 16), (3, 5))
     np.testing.assert_array_equal(found.z[:, 0, 0], lists.z[:, 5, 3])
     np.testing.assert_array_equal(found.coverage[:, 0, 0], lists.coverage[:, 5, 3])
     np.testing.assert_array_equal(found.radiance[:, 0, 0], lists.radiance[:, 5, 3])
 
 
 def test_an_empty_pixel_has_no_fragments(device: Device) -> None:
-    geometry = Geometry(device, collection().build_scene("smoke_ball[detail=0.1]"))
-    assert len(probe(device, geometry, SIZE, (0, 0)).z) == 0
-    geometry.release()
+    with UploadedScene(device, collection().build_scene("smoke_ball[detail=0.1]")) as uploaded:
+        assert len(probe(uploaded, SIZE, (0, 0)).z) == 0
 
 
 def test_the_exact_curve_is_the_product_of_what_lies_nearer() -> None:

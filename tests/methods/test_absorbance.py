@@ -159,7 +159,7 @@ def test_maps_take_the_memory_that_the_paper_prints(
     device: Device, name: str, mebibytes: float
 ) -> None:
     with opened(device, scene_of(random_lists(1)), name) as frame:
-        bits = accounting.memory(frame)["bits_per_pixel"]
+        bits = accounting.memory(frame).bits_per_pixel
     assert round(bits / 8 * PIXELS_720P / MIB, 1) == mebibytes
 
 
@@ -170,7 +170,7 @@ def variable_bytes(device: Device, name: str) -> tuple[float, float]:
         with opened(device, scene_of(random_lists(layers)), name) as frame:
             facts = accounting.memory(frame)
             totals.append(
-                sum(t["bytes"] for t in facts["terms"] if "allocator" not in t["resource"])
+                sum(term.bytes for term in facts.terms if "allocator" not in term.resource)
             )
     pixels = 16 * 16
     record = (totals[1] - totals[0]) / (2 * pixels)

@@ -322,4 +322,4 @@ def test_no_step_of_a_long_list_is_lost(device: Device, nodes: int, removal: str
 )
 def test_fixed_memory_is_so_many_bits_a_pixel(device: Device, name: str, bits: int) -> None:
     with opened(device, scene_of(random_lists(1)), name) as frame:
-        assert accounting.memory(frame)["bits_per_pixel"] == bits
+        assert accounting.memory(frame).bits_per_pixel == bits

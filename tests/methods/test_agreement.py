@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from oitbench.gl.device import Device
-from oitbench.method.declaration import Target
-from tests.helpers import Array64, all_passes, collection, method, render
+from oitbench.method.storage import Target
+from tests.helpers import Array64, all_passes, collection, full_plan, method, render
 
 SIZE = (96, 64)
 SCENES = (
@@ -34,7 +34,7 @@ def test_sorted_blending_agrees_with_the_a_buffer(device: Device, scene: str, na
     built = collection().build_scene(scene)
     exact = render(device, built, "a_buffer", size=SIZE).astype(np.float64)
     found = render(device, built, name, size=SIZE)
-    color = method(name).targets.get("color", Target("rgba16f"))
+    color = full_plan(method(name)).targets.get("color", Target("rgba16f"))
     # Two steps for each time that the geometry is blended, one for the opaque picture.
     steps = 2 * len(list(all_passes(method(name)))) + 1
     assert (abs(found - exact) <= steps * local_step(color, exact)).all()

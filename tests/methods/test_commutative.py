@@ -104,7 +104,7 @@ def test_methods_without_depth_cannot_tell_near_from_far(device: Device, name: s
     swapped = [Layer(4.0, 0.5, RED), Layer(2.0, 0.3, BLUE)]
     before, after = (render(device, stack(layers), name) for layers in ([near, far], swapped))
     np.testing.assert_array_equal(before, after)
-    assert "U9" not in method(name).holds
+    assert "two_layers_ordered" not in method(name).promised
 
 
 def test_a_mean_opacity_never_hides_more_than_the_product(device: Device) -> None:
@@ -151,7 +151,7 @@ def test_clear_layers_do_not_thin_out_the_mean(device: Device) -> None:
 )
 def test_memory_follows_from_the_formats(device: Device, name: str, bits: int) -> None:
     with opened(device, scene_of(random_lists(1)), name) as frame:
-        assert accounting.memory(frame)["bits_per_pixel"] == bits
+        assert accounting.memory(frame).bits_per_pixel == bits
 
 
 def test_several_samples_average_what_each_pixel_covers(device: Device) -> None:

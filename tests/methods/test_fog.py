@@ -11,7 +11,6 @@ import pytest
 
 from oitbench.effects import Effect
 from oitbench.gl.device import Device
-from oitbench.gl.draws.steps import PassRecord
 from oitbench.gl.frame import Frame
 from oitbench.measure.accounting import traffic
 from oitbench.modeling.mesh import quad
@@ -246,7 +245,7 @@ def test_nothing_is_left_where_fog_is_not_called_for(device: Device) -> None:
     scene = foggy(lights=lights)
     without = scene.effects & ~Effect.VOLUME
     with opened(device, scene, FLOAT, SIZE, effects=without) as frame:
-        assert "fog" not in [step.name for step in frame.passes]
+        assert "fog" not in [step.name for step in frame.plan.passes]
         frame.render()
         clear = render(device, foggy(None, lights), FLOAT, size=SIZE)
         np.testing.assert_array_equal(frame.image(), clear)
@@ -327,10 +326,9 @@ def test_fog_costs_one_write_a_pixel(device: Device) -> None:
 
 def _moved(frame: Frame, name: str) -> dict[str, int]:
     frame.render()
-    records: list[PassRecord] = []
-    frame.issue(records)
+    measured = frame.measure()
     found: dict[str, int] = {}
-    for term in traffic(frame, records):
+    for term in traffic(frame, measured).terms:
         if term.pass_ == name:
             found[term.kind] = found.get(term.kind, 0) + term.bytes
     return found

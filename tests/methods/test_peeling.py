@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from oitbench.gl.draws.steps import PassRecord
 
 from oitbench.gl.device import Device
 from oitbench.gl.frame import Frame
@@ -22,23 +21,21 @@ from tests.helpers import (
     WHITE,
     Layer,
     collection,
-    method,
+    keeps_promises,
     opened,
     random_lists,
     render,
     scene_of,
     stack,
 )
-from tests.methods.test_identities import IDENTITIES
 from tests.models.peeling import peeled
 
 
 def runs(frame: Frame) -> dict[str, int]:
     """Render, and return how often each pass was issued."""
     frame.render()
-    records: list[PassRecord] = []
-    frame.issue(records)
-    return {record.name: record.runs for record in records}
+    measured = frame.measure()
+    return {record.name: record.runs for record in measured.passes}
 
 
 @settings(max_examples=30, deadline=None, derandomize=True)
@@ -140,11 +137,8 @@ def test_dual_peeling_leaves_no_gap_where_boxes_cross(device: Device) -> None:
         np.testing.assert_array_equal(frame.image()[::-1, :, 0], 0.5**frame.complexity)
 
 
-@pytest.mark.parametrize("variant", ["depth_peeling[layers=2]", "dual_depth_peeling[layers=3]"])
-@pytest.mark.parametrize("identity", IDENTITIES)
-def test_truncated_peeling_keeps_its_promises(device: Device, variant: str, identity: str) -> None:
-    if identity in method(variant).holds:
-        IDENTITIES[identity](device, method(variant))
+def test_truncated_peeling_keeps_its_promises(device: Device) -> None:
+    keeps_promises(device, "depth_peeling[layers=2]", "dual_depth_peeling[layers=3]")
 
 
 def test_memory_is_that_of_the_colors_peeled(device: Device) -> None:
@@ -156,4 +150,4 @@ def test_memory_is_that_of_the_colors_peeled(device: Device) -> None:
             ("dual_depth_peeling", dual),
         ):
             with opened(device, scene, name) as frame:
-                assert accounting.memory(frame)["bits_per_pixel"] == 8 * size
+                assert accounting.memory(frame).bits_per_pixel == 8 * size

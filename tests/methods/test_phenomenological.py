@@ -323,8 +323,8 @@ def test_a_pixel_has_the_published_bits(
 ) -> None:
     with opened(device, before_wall(CLEAR), "phenomenological", SIZE, effects=effects) as frame:
         account = memory(frame)
-    assert account["bits_per_pixel"] == bits
-    assert {term["resource"] for term in account["terms"]} == targets
+    assert account.bits_per_pixel == bits
+    assert {term.resource for term in account.terms} == targets
 
 
 @pytest.mark.parametrize("precision", ["paper", "half", "float"])

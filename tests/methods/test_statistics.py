@@ -17,7 +17,6 @@ from oitbench.gl.device import Device
 from oitbench.measure import accounting
 from oitbench.measure.oracle import composite, transmittances
 from oitbench.modeling.mesh import quad
-from oitbench.plugins import folder_of
 from oitbench.scene import RGB, Camera, FragmentLists, Material, Object, Scene
 from tests.helpers import (
     BACKGROUND,
@@ -200,12 +199,7 @@ def test_one_more_sample_is_taken_as_often_as_the_remainder_says(
     assert_mean(counts.astype(np.float64), alpha * samples)
 
 
-PROBE = """
-class Probe(Method):
-    parameters = {"scale": Parameter(1.0)}
-    targets = {"color": Target("rgba32f")}
-    passes = (Pass("probe.glsl", Draws.FRAGMENTS, writes={"color": REPLACE}),)
-"""
+PROBE = '(Gather("probe.glsl", writes={"color": REPLACE}),)'
 SHOW = """#include "threshold.glsl"
 void gather(Fragment fragment) { color = vec4(threshold(fragment.position)); }
 """
@@ -214,10 +208,14 @@ void gather(Fragment fragment) { color = vec4(threshold(fragment.position)); }
 @pytest.fixture(scope="module")
 def probe(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A method that shows the thresholds of hashed alpha testing."""
-    folder = folder_of(type(method("hashed_alpha")))
-    threshold = (folder / "threshold.glsl").read_text()
+    threshold = (method("hashed_alpha").folders[0] / "threshold.glsl").read_text()
     return write_method(
-        tmp_path_factory.mktemp("probe") / "probe", PROBE, probe=SHOW, threshold=threshold
+        tmp_path_factory.mktemp("probe") / "probe",
+        PROBE,
+        '{"color": Target("rgba32f")}',
+        members="scale = Parameter(1.0)",
+        probe=SHOW,
+        threshold=threshold,
     )
 
 
@@ -281,8 +279,8 @@ def test_hashed_alpha_is_right_in_the_mean(device: Device, layers: list[Layer]) 
 
 def test_hashed_alpha_takes_32_bits_and_one_pass(device: Device) -> None:
     with opened(device, scene_of(random_lists(2)), "hashed_alpha") as frame:
-        assert accounting.memory(frame)["bits_per_pixel"] == 32
-        assert len(frame.passes) == 1
+        assert accounting.memory(frame).bits_per_pixel == 32
+        assert len(frame.plan.passes) == 1
 
 
 def test_hashed_alpha_stays_behind_what_is_opaque(device: Device) -> None:

@@ -10,8 +10,8 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from oitbench.gl.device import Device
-from oitbench.gl.draws.steps import PassRecord
 from oitbench.measure import accounting
+from oitbench.method.passes import Gather
 from oitbench.modeling.mesh import quad
 from oitbench.scene import Camera, Material, Object, Scene
 from tests.helpers import (
@@ -22,6 +22,7 @@ from tests.helpers import (
     RED,
     WHITE,
     Layer,
+    full_plan,
     method,
     opened,
     random_lists,
@@ -132,14 +133,14 @@ def test_memory_is_four_bytes_a_sample_and_ten_a_pixel(
 ) -> None:
     name = f"stochastic[samples={samples},correction={correction}]"
     with opened(device, scene_of(random_lists(1)), name) as frame:
-        assert accounting.memory(frame)["bits_per_pixel"] == 8 * size
+        assert accounting.memory(frame).bits_per_pixel == 8 * size
 
 
 @pytest.mark.parametrize(("samples", "published"), [(8, 36.9), (16, 65.0)])
 def test_memory_is_as_published(device: Device, samples: int, published: float) -> None:
     # Salvi et al. 2011, table 1: 1280 x 720 pixels, MBytes of 2^20.
     with opened(device, scene_of(random_lists(1)), f"stochastic[samples={samples}]") as frame:
-        bits = accounting.memory(frame)["bits_per_pixel"]
+        bits = accounting.memory(frame).bits_per_pixel
         assert bits / 8 * 1280 * 720 / 2**20 == pytest.approx(published, abs=0.05)
 
 
@@ -147,21 +148,19 @@ def test_traffic_is_twelve_bytes_a_sample_and_twenty_more(device: Device) -> Non
     count, samples = 6, 16
     with opened(device, scene_of(random_lists(count)), "stochastic") as frame:
         frame.render()
-        records: list[PassRecord] = []
-        frame.issue(records)
-        drawn = {item.name for item in frame.passes if item.draws.value == "fragments"}
-        terms = [term for term in accounting.traffic(frame, records) if term.pass_ in drawn]
+        measured = frame.measure()
+        drawn = {item.name for item in frame.plan.passes if isinstance(item, Gather)}
+        terms = [term for term in accounting.traffic(frame, measured).terms if term.pass_ in drawn]
         assert len(drawn) == 3
         assert sum(term.bytes for term in terms) == (12 * samples + 20) * count * 256
-        assert {record.runs for record in records} == {1}
+        assert {record.runs for record in measured.passes} == {1}
 
 
 def test_more_than_32_samples_take_two_rounds(device: Device) -> None:
     with opened(device, scene_of(random_lists(3)), "stochastic[samples=64]") as frame:
         frame.render()
-        records: list[PassRecord] = []
-        frame.issue(records)
-        assert [record.runs for record in records] == [1, 2, 2, 1]
+        measured = frame.measure()
+        assert [record.runs for record in measured.passes] == [1, 2, 2, 1]
 
 
 def test_hand_example_of_two_samples_shares(device: Device) -> None:
@@ -169,7 +168,7 @@ def test_hand_example_of_two_samples_shares(device: Device) -> None:
     lists = stack([Layer(1.0, 0.5, RED)], side=4)
     found = render(device, scene_of(lists, BLUE), "stochastic[correction=none]")
     np.testing.assert_array_equal(found, np.broadcast_to(np.array([0.5, 0.0, 0.5]), found.shape))
-    assert step(method("stochastic").targets["sum"], 1.0) == HALF
+    assert step(full_plan(method("stochastic")).targets["sum"], 1.0) == HALF
 
 
 @pytest.fixture
@@ -209,13 +208,12 @@ def test_several_samples_share_one_set_of_depths(device: Device, slanted: Scene)
     name = "stochastic[samples=16,msaa=4]"
     with opened(device, slanted, name, (64, 48)) as frame:
         # Salvi et al. 2011, table 1: 91.4 MBytes of 1280 x 720 pixels.
-        bits = accounting.memory(frame)["bits_per_pixel"]
+        bits = accounting.memory(frame).bits_per_pixel
         assert bits == 8 * (4 * 16 + 10 * 4)
         assert bits / 8 * 1280 * 720 / 2**20 == pytest.approx(91.4, abs=0.05)
         frame.render()
-        records: list[PassRecord] = []
-        frame.issue(records)
-        terms = accounting.traffic(frame, records)
+        measured = frame.measure()
+        terms = accounting.traffic(frame, measured).terms
         clears = {t.resource: t.items for t in terms if t.kind == "clear"}
         assert clears["depths0"] == 64 * 48
         assert clears["sum"] == clears["total"] == 4 * 64 * 48

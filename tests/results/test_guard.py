@@ -33,23 +33,25 @@ def test_the_baseline_names_no_machine() -> None:
 
 def test_a_broken_shader_is_a_regression(tmp_path: Path) -> None:
     """A resolve that loses a twentieth of the coverage must not pass."""
-    method = tmp_path / "weighted_blended"
+    method = tmp_path / "broken"
     shutil.copytree(own_folder() / "methods" / "weighted_blended", method)
     resolve = method / "resolve.glsl"
-    sound = resolve.read_text(encoding="utf-8")
-    broken = sound.replace("1.0 - read_reveal()", "0.95 - read_reveal()")
-    assert broken != sound
+    text = resolve.read_text(encoding="utf-8")
+    broken = text.replace("1.0 - read_reveal()", "0.95 - read_reveal()")
+    assert broken != text
     resolve.write_text(broken, encoding="utf-8")
     scenes = ("layer_stack", "smoke_ball[detail=0.1]")
     guard.run(tmp_path / "results", scenes, [str(method)])
     for record in read_cells(tmp_path / "results" / CELLS).values():
-        assert record["time"] is None
-        assert set(record["metrics"]["path_traced"]) == {"reason"}
+        assert record.time is None
+        assert record.outcome is not None
+        assert record.outcome.scores["path_traced"].reason == "left out of this run"
     now = baseline.read(tmp_path / "results")
     assert len(now.rows) == len(scenes)
     every = baseline.read(guard.BASELINE)
-    before = Snapshot(every.renderer, {cell: every.rows[cell] for cell in now.rows})
+    sound = {cell: every.rows[cell.replace("broken", "weighted_blended")] for cell in now.rows}
+    before = Snapshot(every.renderer, sound)
     comparison = regression.compare_snapshots(now, before)
-    assert {finding.cell for finding in comparison.regressions} == set(now.rows)
-    worse = {finding.field for finding in comparison.regressions if finding.verdict == "worse"}
+    assert {item.cell for item in comparison.regressions} == set(now.rows)
+    worse = {item.field for item in comparison.regressions if item.verdict == "worse"}
     assert {"exact.flip_ldr@67ppd", "exact.rmse_lin", "exact.rmse_transmittance"} <= worse

@@ -5,52 +5,51 @@ from __future__ import annotations
 import json
 import math
 from pathlib import Path
-from typing import Any
 
+import msgspec
 import numpy as np
 import pytest
 
 from oitbench.errors import UsageError
-from oitbench.matrix import machine as environment
-from oitbench.results import store
-from oitbench.results.store import CELLS, RUN, CellKey, Store
-
-
-def record(method: str = "m", **values: Any) -> dict[str, Any]:
-    return {"scene": "s", "method": method, "variant": {"ssaa": 2}, "size": [8, 4], **values}
+from oitbench.gl.capabilities import is_software
+from oitbench.matrix import machine
+from oitbench.results import schema, store
+from oitbench.results.records import Results
+from oitbench.results.schema import Renderer, RunFacts
+from oitbench.results.store import CELLS, RUN, Store
+from tests.made_up import changed, failed, record
 
 
 def test_later_lines_supersede_earlier_ones(tmp_path: Path) -> None:
     folder = tmp_path / "new" / "results"
     opened = Store.open(folder)
-    opened.append(record("a", status="failed"))
-    opened.append(record("b", status="ok"))
-    opened.append(record("a", status="ok"))
+    opened.append(failed("a"))
+    opened.append(record("b"))
+    opened.append(record("a"))
     for other in (opened, Store.open(folder)):
-        assert [(r["method"], r["status"]) for r in other.records()] == [("a", "ok"), ("b", "ok")]
+        assert [(r.method, r.status) for r in other.records()] == [("a", "ok"), ("b", "ok")]
     assert len((folder / CELLS).read_text().splitlines()) == 3
     opened.compact()
     assert len((folder / CELLS).read_text().splitlines()) == 2
     assert Store.open(folder).records() == opened.records()
 
 
-def test_key_holds_scene_method_size_and_variant(tmp_path: Path) -> None:
+def test_key_holds_scene_method_size_and_settings(tmp_path: Path) -> None:
     opened = Store.open(tmp_path)
-    variants = [
+    cells = [
         record(),
-        record(size=[4, 8]),
-        record(variant={"ssaa": 1}),
+        record(size=(4, 8)),
+        record(ssaa=1),
+        record(effects="-caustics"),
         record("n"),
-        record() | {"scene": "t"},
+        record(scene="t"),
     ]
-    for each in variants:
+    for each in cells:
         opened.append(each)
-    assert len(opened.records()) == 5
-    assert opened.find(CellKey.of(variants[2])) == variants[2]
-    # The order of a variant's settings does not matter.
-    one, other = record(variant={"a": 1, "b": 2}), record(variant={"b": 2, "a": 1})
-    assert CellKey.of(one) == CellKey.of(other)
-    assert opened.find(CellKey.of(one)) is None
+    opened.append(record(seed=2))
+    assert len(opened.records()) == len(cells)
+    assert opened.find(cells[2].key) == cells[2]
+    assert opened.find(record("other").key) is None
 
 
 @pytest.mark.parametrize(
@@ -65,43 +64,70 @@ def test_damaged_lines_lose_no_others(
     opened = Store.open(tmp_path)
     assert ("damaged" in caplog.text) == bool(tail.strip())
     opened.append(record("after"))
-    assert [r["method"] for r in Store.open(tmp_path).records()] == ["before", "after"]
+    assert [r.method for r in Store.open(tmp_path).records()] == ["before", "after"]
 
 
 def test_no_line_holds_what_json_has_no_word_for(tmp_path: Path) -> None:
-    values = {
-        "nan": math.nan,
-        "list": [np.float32(math.inf), np.int64(3), np.bool_(True)],
-        "array": np.array([1.5, math.nan]),
-        "path": Path("images") / "a.exr",
-    }
     opened = Store.open(tmp_path)
-    opened.append(record(odd=values))
+    opened.append(changed(record(), "outcome.scores.exact.metrics.x", math.nan))
     line = (tmp_path / CELLS).read_text()
-    expected = {"nan": None, "list": [None, 3, True], "array": [1.5, None], "path": "images/a.exr"}
-    assert json.loads(line, parse_constant=pytest.fail)["odd"] == expected
-    assert opened.records()[0]["odd"] == expected
-    with pytest.raises(TypeError, match="object cannot be stored"):
-        opened.append(record(odd=object()))
+    json.loads(line, parse_constant=pytest.fail)
+    assert opened.records()[0].metric("exact", "x") is None
+    assert Store.open(tmp_path).records() == opened.records()
 
 
-def test_a_record_without_key_is_a_bug_and_writes_nothing(tmp_path: Path) -> None:
+def test_a_record_against_the_schema_is_a_bug_and_writes_nothing(tmp_path: Path) -> None:
     opened = Store.open(tmp_path)
-    with pytest.raises(KeyError):
-        opened.append({"scene": "s"})
+    with pytest.raises(msgspec.ValidationError):
+        opened.append(record(ssaa="two"))
+    with pytest.raises(TypeError):
+        opened.append(record(seed=np.int64(3)))
     assert not (tmp_path / CELLS).exists()
+
+
+OLD = '{"scene": "s", "method": "m", "size": [8, 4], "variant": {"ssaa": 2}, "status": "ok"}'
+
+
+@pytest.mark.parametrize(("line", "version"), [(OLD, 0), ('{"schema": 99}', 99)])
+def test_results_of_another_version_get_one_line(tmp_path: Path, line: str, version: int) -> None:
+    (tmp_path / CELLS).write_text(line + "\n")
+    message = rf"cells\.jsonl was written by another version of oitbench \(schema {version}"
+    for read in (Store.open, Results.load):
+        with pytest.raises(UsageError, match=message) as caught:
+            read(tmp_path)
+        assert "\n" not in str(caught.value)
+    (tmp_path / CELLS).unlink()
+    (tmp_path / RUN).write_text(line)
+    with pytest.raises(UsageError, match=r"run\.json was written by another version"):
+        store.read_run(tmp_path / RUN)
+
+
+def test_the_schema_file_is_that_of_the_code() -> None:
+    assert schema.SCHEMA_FILE.read_text(encoding="utf-8") == schema.schema_text()
+
+
+def test_the_schema_describes_what_is_written(tmp_path: Path) -> None:
+    content = schema.json_schema()
+    Store.open(tmp_path).append(record())
+    written = json.loads((tmp_path / CELLS).read_text())
+    assert set(written) == set(content["$defs"]["Record"]["properties"])
+    assert set(written["outcome"]) == set(content["$defs"]["Outcome"]["properties"])
+
+
+def facts(renderer: str, seed: int = 1) -> RunFacts:
+    return RunFacts(gl=Renderer(renderer), seed=seed)
 
 
 def test_run_facts(tmp_path: Path) -> None:
     opened = Store.open(tmp_path)
-    opened.write_run({"gl": {"renderer": "one"}, "odd": math.nan})
-    assert store.read_run(tmp_path / RUN) == {"gl": {"renderer": "one"}, "odd": None}
+    opened.write_run(facts("one"))
+    assert store.read_run(tmp_path / RUN) == facts("one")
     # Without cells, nothing can be mixed up yet.
-    opened.write_run({"gl": {"renderer": "two"}})
+    opened.write_run(facts("two"))
     opened.append(record())
-    opened.write_run({"gl": {"renderer": "two"}, "seed": 1})
+    opened.write_run(facts("two", seed=2))
     with pytest.raises(UsageError, match="rendered by 'two', but this is 'one'"):
-        opened.write_run({"gl": {"renderer": "one"}})
+        opened.write_run(facts("one"))
     assert sorted(path.name for path in tmp_path.iterdir()) == [CELLS, "images", RUN]
 
 
@@ -131,7 +157,7 @@ def test_results_folders_open_again(tmp_path: Path) -> None:
 
 def test_image_paths_are_plain_and_distinct() -> None:
     labels = ["a[b=1]", "a_b=1_", "../a", "ä/b", "x" * 300]
-    keys = [CellKey.of(record(label)) for label in labels]
+    keys = [record(label).key for label in labels]
     paths = [store.image_path(key, "color") for key in keys]
     assert len(set(paths)) == len(paths)
     for path in paths:
@@ -141,18 +167,23 @@ def test_image_paths_are_plain_and_distinct() -> None:
         assert len(path) < 180
 
 
-def test_environment_tells_where_a_run_was() -> None:
-    gl = {"renderer": "llvmpipe (LLVM 15)", "version": "4.5 (Core Profile) Mesa 22.3.6"}
-    facts = environment.collect(gl, argv=["oitbench", "run"], seed=3, methods=["b", "a"])
-    assert facts["gl"]["software"] is True
-    assert facts["mesa"] == "22.3.6"
-    assert facts["methods"] == ["a", "b"]
-    assert facts["packages"]["numpy"] == np.__version__
-    assert facts["cpu"]["model"]
-    json.dumps(store.sanitize(facts), allow_nan=False)
-    assert not environment.is_software("NVIDIA H100/PCIe/SSE2")
-    assert environment.collect(None, argv=[], seed=0)["gl"] is None
+def test_facts_say_where_a_run_was() -> None:
+    gl = Renderer("llvmpipe (LLVM 15)", version="4.5 (Core Profile) Mesa 22.3.6", software=True)
+    found = machine.collect(gl, argv=["oitbench", "run"], seed=3, methods=["b", "a"])
+    assert found.gl == gl
+    assert found.mesa == "22.3.6"
+    assert found.methods == ["a", "b"]
+    assert found.packages["numpy"] == np.__version__
+    assert found.cpu is not None
+    assert found.cpu.model
+    assert msgspec.json.decode(msgspec.json.encode(found), type=RunFacts) == found
+    assert machine.collect(None, argv=[], seed=0).gl is None
+
+
+def test_software_renderers_are_known_by_name() -> None:
+    assert is_software("llvmpipe (LLVM 15)")
+    assert not is_software("NVIDIA H100/PCIe/SSE2")
 
 
 def test_git_state_needs_a_checkout(tmp_path: Path) -> None:
-    assert environment.git_state(tmp_path) is None
+    assert machine.git_state(tmp_path) is None

@@ -37,22 +37,23 @@ from tests.helpers import (
 )
 
 OPTIONAL = """
+from oitbench import *
+
+
 class Optional(Method):
     expresses = Effect.COVERAGE | Effect.DIFFUSION
-    targets = {
-        "sum": Target("rgba16f"),
-        "spread": Target("r32f", when=Effect.DIFFUSION),
-    }
-    buffers = {"marks": Buffer({"mark": "uint"}, Items.PIXELS, when=Effect.DIFFUSION)}
-    passes = (
-        Pass("gather.glsl", Draws.FRAGMENTS, writes={"sum": ADD, "spread": ADD}),
-        Pass("blur.glsl", Draws.PIXELS, reads=("spread",), writes={"sum": ADD},
-             buffers=("marks",), when=Effect.DIFFUSION),
-        Interleaved((
-            Pass("plain.glsl", Draws.FRAGMENTS, writes={"color": ADD}),
-            Pass("diffuse.glsl", Draws.FRAGMENTS, writes={"color": ADD}, when=Effect.DIFFUSION),
-        ), Order.SUBMISSION),
-    )
+
+    def plan(self, request):
+        plain = Gather("plain.glsl", writes={"color": ADD})
+        if Effect.DIFFUSION not in request.effects:
+            gather = Gather("gather.glsl", writes={"sum": ADD})
+            return Plan({"sum": Target("rgba16f")}, (gather, Interleaved((plain,))))
+        targets = {"sum": Target("rgba16f"), "spread": Target("r32f")}
+        gather = Gather("gather.glsl", writes={"sum": ADD, "spread": ADD})
+        blur = Resolve("blur.glsl", reads=("spread",), writes={"sum": ADD}, buffers=("marks",))
+        diffuse = Gather("diffuse.glsl", writes={"color": ADD})
+        marks = {"marks": Buffer({"mark": "uint"}, Items.PIXELS)}
+        return Plan(targets, (gather, blur, Interleaved((plain, diffuse))), marks)
 """
 GATHER = """void gather(Fragment fragment) {
     sum = vec4(1.0);
@@ -67,9 +68,9 @@ BLUR = "void resolve() { set_marks_mark(pixel_index(), 1u); sum = vec4(read_spre
 @pytest.fixture
 def optional(tmp_path: Path) -> Method:
     """A method that has a target, a buffer, a pass and half a step for diffusion alone."""
-    folder = write_method(
-        tmp_path / "optional", OPTIONAL, gather=GATHER, blur=BLUR, plain=PLAIN, diffuse=PLAIN
-    )
+    shaders = {"gather": GATHER, "blur": BLUR, "plain": PLAIN, "diffuse": PLAIN}
+    folder = write_method(tmp_path / "optional", "()", **shaders)
+    (folder / "method.py").write_text(OPTIONAL)
     return Collection.load().add_method(folder)()
 
 
@@ -132,7 +133,7 @@ def test_an_uncalled_effect_leaves_nothing_behind(device: Device, optional: Meth
     with opened(device, lists, optional, effects=Effect.COVERAGE) as frame:
         frame.render()
         assert {name for name, _ in frame.resources.memory()} == {"sum"}
-        assert [step.name for step in frame.passes] == ["gather", "plain"]
+        assert [step.name for step in frame.plan.passes] == ["gather", "plain"]
         sources = " ".join(fragment for _, fragment in device.programs)
         assert "DIFFUSION 1" not in sources
         assert "out float spread" not in sources
@@ -144,7 +145,7 @@ def test_a_called_effect_brings_all_that_it_needs(device: Device, optional: Meth
     with opened(device, lists, optional, effects=Effect.DIFFUSION) as frame:
         frame.render()
         assert {name for name, _ in frame.resources.memory()} == {"sum", "spread", "marks"}
-        assert [step.name for step in frame.passes] == ["gather", "blur", "plain", "diffuse"]
+        assert [step.name for step in frame.plan.passes] == ["gather", "blur", "plain", "diffuse"]
         sources = " ".join(fragment for _, fragment in device.programs)
         assert "#define EFFECT_DIFFUSION 1" in sources
         assert (frame.read("spread") == 1).all()
@@ -160,11 +161,11 @@ def test_forcing_every_effect_changes_no_pixel(device: Device, name: str) -> Non
 
 def test_effects_are_chosen_by_name() -> None:
     called = Effect.COVERAGE | Effect.DIFFUSION | Effect.REFRACTION
-    assert choose_effects("called", called) == called
+    assert choose_effects("requested", called) == called
     assert choose_effects("none", called) is Effect.NONE
     assert all(effect in choose_effects("all", called) for effect in Effect)
     assert choose_effects("-diffusion, -refraction", called) == Effect.COVERAGE
     with pytest.raises(UsageError, match="unknown effect 'difusion'; did you mean diffusion"):
         choose_effects("-difusion", called)
-    with pytest.raises(UsageError, match="give called, all, none, or -NAME"):
+    with pytest.raises(UsageError, match="give requested, all, none, or -NAME"):
         choose_effects("diffusion", called)
