@@ -8,22 +8,18 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from oitbench.modeling.mesh import (
-    box,
-    divisions,
+from oitbench.modeling.detail import divisions
+from oitbench.modeling.mesh import box, grid, lathe, quad, sphere
+from oitbench.modeling.placement import (
     frames,
-    grid,
-    lathe,
     merge,
-    quad,
     rotation,
     scaling,
     scatter,
-    smooth_curve,
-    sphere,
     transform,
     translation,
 )
+from oitbench.modeling.profiles import smooth_curve
 from oitbench.scene import Mesh
 
 CUP = [(0.0, 0.0), (0.5, 0.1), (0.8, 0.6), (0.6, 1.0), (0.0, 1.2)]

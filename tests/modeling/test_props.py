@@ -9,11 +9,13 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from oitbench.modeling.patterns import Window, checkered_box, checkers, room
+from oitbench.modeling.patterns import checkered_box, checkers
+from oitbench.modeling.profiles import outline
 from oitbench.modeling.props import chessmen, teapot
 from oitbench.modeling.props.glassware import Vessel, ice_cube, tumbler, wine_glass
-from oitbench.modeling.solids import closed, loft, outline, turned
-from oitbench.scene import EnvironmentLight, Mesh
+from oitbench.modeling.solids import closed, loft, turned
+from oitbench.modeling.surroundings import Window, room
+from oitbench.scene import Mesh, Texture
 
 DETAILS = (0.05, 0.3, 1.0)
 GLASSES: dict[str, tuple[Vessel, float]] = {
@@ -26,7 +28,7 @@ SOLIDS: list[tuple[str, Build]] = [
     *((name, lambda detail, name=name: GLASSES[name][0].glass(detail)) for name in GLASSES),
     *((f"drink in {name}", lambda detail, name=name: filling(name, detail)) for name in GLASSES),
     ("ice", lambda detail: ice_cube((0.03, 0.02, 0.025), 0.004, detail)),
-    *chessmen.MEN.items(),
+    *chessmen.PIECES.items(),
 ]
 
 
@@ -151,8 +153,8 @@ def test_the_least_closed_grid_is_two_cones() -> None:
 
 def test_men_stand_on_the_board_in_order_of_rank() -> None:
     heights = {}
-    for name in chessmen.MEN:
-        mesh = chessmen.man(name, 0.09, 0.3)
+    for name in chessmen.PIECES:
+        mesh = chessmen.piece(name, 0.09, 0.3)
         assert mesh.positions[:, 1].min() == 0
         heights[name] = float(mesh.positions[:, 1].max())
     assert heights["king"] == pytest.approx(0.09)
@@ -168,9 +170,9 @@ def test_men_stand_on_the_board_in_order_of_rank() -> None:
 
 def test_the_knight_looks_ahead_and_the_others_look_round() -> None:
     for name in ("pawn", "bishop", "queen"):
-        radii = np.hypot(*chessmen.man(name, 1.0, 0.3).positions[:, [0, 2]].T)
+        radii = np.hypot(*chessmen.piece(name, 1.0, 0.3).positions[:, [0, 2]].T)
         assert len(np.unique(radii.round(5))) < len(radii) / 4
-    head = chessmen.man("knight", 1.0, 1.0).positions
+    head = chessmen.piece("knight", 1.0, 1.0).positions
     high = head[head[:, 1] > 0.38]
     assert high[:, 0].max() > 0.2
     assert high[:, 0].min() > -0.15
@@ -178,7 +180,7 @@ def test_the_knight_looks_ahead_and_the_others_look_round() -> None:
 
 
 def test_a_rook_has_its_notches() -> None:
-    mesh = chessmen.man("rook", 1.0, 1.0)
+    mesh = chessmen.piece("rook", 1.0, 1.0)
     rim = mesh.positions[np.hypot(mesh.positions[:, 0], mesh.positions[:, 2]) > 0.11]
     angle = np.arctan2(rim[:, 2], rim[:, 0]).round(4)
     tops = np.array([rim[angle == a, 1].max() for a in np.unique(angle)]) > 0.56
@@ -258,19 +260,22 @@ def test_a_checkered_box_is_a_closed_box_of_two_colors() -> None:
 
 def test_a_room_has_its_colors_and_its_window_where_they_are_asked_for() -> None:
     window = Window(math.radians(90), math.radians(30), 0.4, 0.4, (9.0, 8.0, 7.0))
-    texels = room((1, 2, 3), (4, 5, 6), (7, 8, 9), [window], rows=64).texels
+    light = room((1, 2, 3), (4, 5, 6), (7, 8, 9), [window])
+    assert isinstance(light.radiance, Texture)
+    texels = light.radiance.texels
     assert texels.shape == (64, 128, 3)
     np.testing.assert_allclose(texels[0, 0], (1, 2, 3), atol=0.01)
     np.testing.assert_allclose(texels[-1, 0], (7, 8, 9), atol=0.01)
     np.testing.assert_allclose(texels[32, 0], (4, 5, 6), atol=0.01)
     # To the right of straight ahead (column 64) by a quarter of the turn, 30° above level.
     np.testing.assert_allclose(texels[21, 96], (9, 8, 7), atol=1e-5)
-    assert EnvironmentLight(room((1, 1, 1), (1, 1, 1), (1, 1, 1), ())).radiance is not None
 
 
 def test_a_window_behind_is_whole() -> None:
     window = Window(math.radians(175), 0.0, 0.5, 0.5, (2, 2, 2))
-    texels = room((1, 1, 1), (1, 1, 1), (1, 1, 1), [window]).texels
+    light = room((1, 1, 1), (1, 1, 1), (1, 1, 1), [window])
+    assert isinstance(light.radiance, Texture)
+    texels = light.radiance.texels
     bright = texels[32, :, 0] > 1.5
     assert bright[0]
     assert bright[-1]

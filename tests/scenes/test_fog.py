@@ -9,8 +9,9 @@ import numpy.typing as npt
 import pytest
 
 from oitbench.effects import Effect
-from oitbench.modeling.mesh import merge
-from oitbench.modeling.props.architecture import arch, column, lettering, window_wall
+from oitbench.modeling.placement import merge
+from oitbench.modeling.props.architecture import arch, column, window_wall
+from oitbench.modeling.props.lettering import lettering
 from oitbench.modeling.props.people import limb, man, woman
 from oitbench.path_traced.export.scene import _require_distinct
 from oitbench.plugins import Collection

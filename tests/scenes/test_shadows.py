@@ -11,12 +11,13 @@ import pytest
 
 from oitbench.effects import Effect
 from oitbench.modeling.particles import fill, puff, shared_coverage, sprites
-from oitbench.modeling.skies import gradient_sky
+from oitbench.modeling.surroundings import gradient_sky
 from oitbench.plugins import Collection
 from oitbench.scene import (
     Camera,
     DirectionalLight,
     EnvironmentLight,
+    Floats,
     Mesh,
     Object,
     Scene,
@@ -47,7 +48,6 @@ CLOSED = (
     ("smoke_and_glass", "green ball"),
     ("smoke_and_glass", "vase"),
 )
-Floats = npt.NDArray[np.float64]
 
 
 def build(text: str) -> Scene:
