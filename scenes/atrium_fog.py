@@ -24,7 +24,7 @@ from dataclasses import replace
 import numpy as np
 
 from oitbench.modeling.baking import normals_of, with_radiance
-from oitbench.modeling.detail import divisions
+from oitbench.modeling.detail import DETAIL, divisions
 from oitbench.modeling.mesh import grid, lathe, slab
 from oitbench.modeling.placement import merge, repeated, rotation, transform
 from oitbench.modeling.profiles import smooth_curve
@@ -44,7 +44,7 @@ from oitbench.scene import (
 
 quick = False
 parameters = {
-    "detail": Parameter(1.0, low=0.0, high=100.0, help="factor on the number of triangles"),
+    "detail": DETAIL,
     "extinction": Parameter(
         0.035, low=0.0, high=10.0, help="extinction coefficient of the fog, 1/m"
     ),

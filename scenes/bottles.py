@@ -22,7 +22,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from oitbench.modeling.detail import divisions
+from oitbench.modeling.detail import DETAIL, divisions
 from oitbench.modeling.mesh import lathe, quad
 from oitbench.modeling.placement import merge, transform, translation
 from oitbench.modeling.profiles import inset, smooth_curve
@@ -41,7 +41,7 @@ from oitbench.scene import (
 )
 
 parameters = {
-    "detail": Parameter(1.0, low=0.0, high=100.0, help="factor on the number of triangles"),
+    "detail": DETAIL,
     "coverage": Parameter(0.94, low=0.0, high=1.0, help="coverage of the plastic"),
 }
 

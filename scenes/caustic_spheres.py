@@ -19,10 +19,9 @@ import math
 
 import numpy as np
 
-from oitbench.modeling.detail import divisions
+from oitbench.modeling.detail import DETAIL, divisions
 from oitbench.modeling.mesh import quad, sphere
 from oitbench.modeling.surroundings import gradient_sky
-from oitbench.parameters import Parameter
 from oitbench.scene import (
     RGB,
     Camera,
@@ -38,7 +37,7 @@ from oitbench.scene import (
 
 quick = False
 parameters = {
-    "detail": Parameter(1.0, low=0.0, high=100.0, help="factor on the number of triangles"),
+    "detail": DETAIL,
 }
 
 TINT: RGB = (0.90, 0.82, 0.68)  # transmission of one wall

@@ -16,12 +16,12 @@ from __future__ import annotations
 
 import math
 
+from oitbench.modeling.detail import DETAIL
 from oitbench.modeling.mesh import box, grid
 from oitbench.modeling.patterns import checkers
 from oitbench.modeling.placement import merge, rotation, transform, translation
 from oitbench.modeling.props.chessmen import piece
 from oitbench.modeling.surroundings import Window, room
-from oitbench.parameters import Parameter
 from oitbench.scene import (
     RGB,
     Camera,
@@ -72,7 +72,7 @@ GROUND = Material(albedo=(0.42, 0.44, 0.42), specular=0.0)
 
 quick = False
 parameters = {
-    "detail": Parameter(1.0, low=0.0, high=100.0, help="factor on the number of triangles"),
+    "detail": DETAIL,
 }
 
 

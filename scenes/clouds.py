@@ -22,7 +22,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from oitbench.modeling.detail import copies
+from oitbench.modeling.detail import PARTICLE_DETAIL, copies
 from oitbench.modeling.particles import fill, smoke, sprites
 from oitbench.modeling.surroundings import gradient_sky
 from oitbench.parameters import Parameter
@@ -30,9 +30,7 @@ from oitbench.scene import RGB, Camera, DirectionalLight, Mesh, Object, Scene, V
 
 quick = False
 parameters = {
-    "detail": Parameter(
-        1.0, low=0.0, high=100.0, help="factor on the number of particles; thickness stays the same"
-    ),
+    "detail": PARTICLE_DETAIL,
     "alpha": Parameter(
         0.25, low=0.0, high=1.0, help="coverage at the middle of a particle at detail 1"
     ),

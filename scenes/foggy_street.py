@@ -26,7 +26,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from oitbench.modeling.detail import copies, divisions, enlargement
+from oitbench.modeling.detail import DETAIL, copies, divisions, enlargement
 from oitbench.modeling.mesh import grid, lathe, quad, slab
 from oitbench.modeling.placement import (
     merge,
@@ -59,9 +59,7 @@ from oitbench.scene import (
 
 quick = False
 parameters = {
-    "detail": Parameter(
-        1.0, low=0.0, high=100.0, help="factor on the number of triangles and leaves"
-    ),
+    "detail": DETAIL,
     "seed": Parameter(1, low=0, help="seed of the lit windows and of the leaves"),
     "extinction": Parameter(
         0.09, low=0.0, high=1.0, help="extinction coefficient at density 1, 1/m"

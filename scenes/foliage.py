@@ -38,7 +38,7 @@ from oitbench.modeling.baking import (
     tint,
     with_radiance,
 )
-from oitbench.modeling.detail import divisions
+from oitbench.modeling.detail import DETAIL, divisions
 from oitbench.modeling.mesh import grid, lathe, quad
 from oitbench.modeling.placement import merge, scatter, transform, translation
 from oitbench.modeling.profiles import smooth_curve
@@ -70,9 +70,7 @@ from oitbench.scene import (
 )
 
 parameters = {
-    "detail": Parameter(
-        1.0, low=0.0, high=100.0, help="factor on the number of leaves and triangles"
-    ),
+    "detail": DETAIL,
     "light": Parameter(
         "baked", choices=("baked", "sky"), help="baked into radiance, or a sun and a sky"
     ),

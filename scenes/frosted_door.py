@@ -20,7 +20,7 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
-from oitbench.modeling.detail import divisions
+from oitbench.modeling.detail import DETAIL, divisions
 from oitbench.modeling.mesh import grid, slab
 from oitbench.modeling.placement import merge, repeated, rotation, transform, translation
 from oitbench.modeling.props.lettering import lettering
@@ -40,7 +40,7 @@ from oitbench.scene import (
 
 quick = False
 parameters = {
-    "detail": Parameter(1.0, low=0.0, high=100.0, help="factor on the number of triangles"),
+    "detail": DETAIL,
     "collimation": Parameter(
         0.85, low=0.0, high=1.0, help="collimation of the pane; 1 for clear glass"
     ),

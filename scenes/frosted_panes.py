@@ -20,7 +20,7 @@ from __future__ import annotations
 
 import math
 
-from oitbench.modeling.detail import divisions
+from oitbench.modeling.detail import DETAIL, divisions
 from oitbench.modeling.mesh import box, grid
 from oitbench.modeling.patterns import checkered_box, checkers
 from oitbench.modeling.placement import rotation, transform, translation
@@ -51,7 +51,7 @@ BLUE_PAPER = Material(albedo=(0.30, 0.43, 0.52), specular=0.0)
 STEEL = Material(albedo=(0.10, 0.10, 0.11), specular=0.3, roughness=0.5)
 
 parameters = {
-    "detail": Parameter(1.0, low=0.0, high=100.0, help="factor on the number of triangles"),
+    "detail": DETAIL,
     "distance": Parameter(
         0.45, low=0.4, high=1.5, help="meters from each pane back to the axis of its teapot"
     ),

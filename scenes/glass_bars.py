@@ -21,7 +21,7 @@ import math
 import numpy as np
 
 from oitbench.modeling.baking import with_radiance
-from oitbench.modeling.detail import divisions
+from oitbench.modeling.detail import DETAIL, divisions
 from oitbench.modeling.mesh import grid
 from oitbench.modeling.placement import frames, scatter
 from oitbench.parameters import Parameter
@@ -41,7 +41,7 @@ PITCH, WIDTH, LENGTH = 0.36, 0.24, 2.8  # of the bars, meters
 FRONT, BACK, PAPER = 0.35, -0.35, -1.1  # z of both grids and of the paper, meters
 
 parameters = {
-    "detail": Parameter(1.0, low=0.0, high=100.0, help="factor on the number of triangles"),
+    "detail": DETAIL,
     "reflection": Parameter(0.05, low=0.0, high=1.0, help="largest radiance that a bar adds"),
 }
 

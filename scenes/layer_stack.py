@@ -39,7 +39,7 @@ import math
 import numpy as np
 
 from oitbench.errors import UsageError
-from oitbench.modeling.detail import divisions
+from oitbench.modeling.detail import DETAIL, divisions
 from oitbench.modeling.mesh import grid
 from oitbench.parameters import Parameter
 from oitbench.scene import RGB, WHITE, Camera, Material, Object, Scene
@@ -62,12 +62,7 @@ PALETTES: dict[str, tuple[RGB, ...]] = {
 WIDEST_ASPECT = 4.0
 
 parameters = {
-    "detail": Parameter(
-        1.0,
-        low=0.0,
-        high=100.0,
-        help="factor on the number of triangles; the picture stays the same",
-    ),
+    "detail": DETAIL,
     "count": Parameter(6, low=1, high=4096, help="number of planes"),
     "alpha": Parameter(0.5, low=0.0, high=1.0, help="coverage of each plane"),
     "palette": Parameter(

@@ -21,7 +21,7 @@ import math
 
 import numpy as np
 
-from oitbench.modeling.detail import divisions
+from oitbench.modeling.detail import DETAIL, divisions
 from oitbench.modeling.mesh import grid, slab
 from oitbench.modeling.placement import merge, repeated, rotation, transform, translation
 from oitbench.modeling.props.architecture import column, window_wall
@@ -44,7 +44,7 @@ from oitbench.scene import (
 
 quick = False
 parameters = {
-    "detail": Parameter(1.0, low=0.0, high=100.0, help="factor on the number of triangles"),
+    "detail": DETAIL,
     "extinction": Parameter(
         0.15, low=0.0, high=10.0, help="extinction coefficient at density 1, 1/m"
     ),

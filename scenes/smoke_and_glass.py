@@ -24,7 +24,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from oitbench.modeling.detail import copies, divisions
+from oitbench.modeling.detail import PARTICLE_DETAIL, copies, divisions
 from oitbench.modeling.mesh import box, lathe, quad, sphere
 from oitbench.modeling.particles import fill, smoke, sprites
 from oitbench.modeling.placement import merge, transform, translation
@@ -45,9 +45,7 @@ from oitbench.scene import (
 
 quick = False
 parameters = {
-    "detail": Parameter(
-        1.0, low=0.0, high=100.0, help="factor on particles and triangles; thickness stays the same"
-    ),
+    "detail": PARTICLE_DETAIL,
     "alpha": Parameter(
         0.03, low=0.0, high=1.0, help="coverage at the middle of a particle at detail 1"
     ),

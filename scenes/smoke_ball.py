@@ -28,7 +28,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from oitbench.modeling.detail import copies
+from oitbench.modeling.detail import PARTICLE_DETAIL, copies
 from oitbench.modeling.mesh import box, quad
 from oitbench.modeling.particles import smoke, sprites
 from oitbench.modeling.placement import random_directions
@@ -71,9 +71,7 @@ VIEWS = {
 }
 quick = False
 parameters = {
-    "detail": Parameter(
-        1.0, low=0.0, high=100.0, help="factor on the number of particles; thickness stays the same"
-    ),
+    "detail": PARTICLE_DETAIL,
     "alpha": Parameter(
         0.2, low=0.0, high=1.0, help="coverage at the middle of a particle at detail 1"
     ),

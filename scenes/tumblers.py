@@ -18,11 +18,11 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from oitbench.modeling.detail import DETAIL
 from oitbench.modeling.patterns import checkers
 from oitbench.modeling.placement import merge, rotation, transform, translation
 from oitbench.modeling.props.glassware import Vessel, ice_cube, tumbler, wine_glass
 from oitbench.modeling.surroundings import Window, room
-from oitbench.parameters import Parameter
 from oitbench.scene import (
     RGB,
     Camera,
@@ -55,7 +55,7 @@ BLUE_CLOTH = Material(albedo=(0.22, 0.32, 0.46), specular=0.0)
 
 quick = False
 parameters = {
-    "detail": Parameter(1.0, low=0.0, high=100.0, help="factor on the number of triangles"),
+    "detail": DETAIL,
 }
 
 

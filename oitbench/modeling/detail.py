@@ -4,6 +4,14 @@ from __future__ import annotations
 
 import math
 
+from oitbench.parameters import Parameter
+
+DETAIL = Parameter(1.0, low=0.0, high=100.0, help="factor on the number of triangles")
+"""The parameter `detail` of most scenes."""
+PARTICLE_DETAIL = Parameter(
+    1.0, low=0.0, high=100.0, help="factor on the number of particles; thickness stays the same"
+)
+"""The parameter `detail` of scenes with particles."""
 LEAST_COPIES = 8
 
 
