@@ -66,6 +66,17 @@ MOST_TRIANGLES = {"bottles": 160_000, "foliage": 140_000}
 """Limits that differ from 60,000."""
 LEAST_IN_VIEW = {"clouds": 0.99, "foliage": 0.98, "smoke_and_glass": 0.8}
 """Fraction of each transparent object's vertices in the picture; 1 for other scenes."""
+FRACTION = ("-0.1", "1.5", "nan")
+IMPOSSIBLE = {
+    **dict.fromkeys(("alpha", "alpha_high", "alpha_low", "clarity", "collimation"), FRACTION),
+    **dict.fromkeys(("coverage", "reflection"), FRACTION),
+    **dict.fromkeys(("count", "height", "layers", "width"), ("0", "1.5")),
+    "detail": ("-1", "nan", "101"),
+    "distance": ("0.1", "nan"),
+    "extinction": ("-1", "nan"),
+    "seed": ("-1", "0.5"),
+}
+"""Values that no parameter of this name may accept."""
 LEAST_GAP = 3e-4
 """Least distance between a solid and the ground, meters."""
 
@@ -157,8 +168,9 @@ def test_another_seed_gives_another_scene(name: str) -> None:
         assert not np.array_equal(before.mesh.positions, after.mesh.positions)
 
 
-def wrong_values(parameter: Parameter) -> Iterator[str]:
+def wrong_values(name: str, parameter: Parameter) -> Iterator[str]:
     """Yield values that the parameter must refuse."""
+    yield from IMPOSSIBLE.get(name, ())
     if parameter.choices:
         yield "nonsense"
     elif isinstance(parameter.default, bool):
@@ -186,10 +198,10 @@ def edge_values(parameter: Parameter) -> Iterator[str]:
 def test_values_out_of_bounds_are_refused_by_the_parameters_name(name: str) -> None:
     parameters = COLLECTION.scenes[name].parameters
     for key, parameter in parameters.items():
-        for value in wrong_values(parameter):
-            with pytest.raises(UsageError, match=rf"^{name}: {key} "):
+        for value in wrong_values(key, parameter):
+            with pytest.raises(UsageError, match=rf"{name}.*\b{key}\b"):
                 build(f"{name}[{key}={value}]")
-    with pytest.raises(UsageError, match="unknown parameter"):
+    with pytest.raises(UsageError, match="nonsense"):
         build(f"{name}[nonsense=1]")
 
 
