@@ -11,9 +11,12 @@ extinction : float
 
 Surfaces glow as they would under an overcast sky, about as brightly as the sky itself. The fog
 scatters equally to all sides, so that it receives nearly the same light from all of them. Its
-effect then has a closed form: at distance s, a surface of radiance C₀ appears as C₀ e^(−σs) + L (1
-− e^(−σs)), where L is the albedo of the fog times the ambient radiance. Banners of the same paints
-hang at several distances for comparison.
+effect then has a closed form: at distance s, a surface of radiance C₀ appears as
+
+    C₀ e^(−σs) + L (1 − e^(−σs)),
+
+where L is the albedo of the fog times the ambient radiance. Banners of the same paints hang at
+several distances for comparison.
 """
 
 from __future__ import annotations

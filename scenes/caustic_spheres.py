@@ -1,4 +1,4 @@
-"""Three glass balls and a glass knot over a light floor, with their caustics under a spot light.
+"""Three clear balls and a clear knot over a light floor, with their caustics under a spot light.
 
 Stands for figures 10 and 11 of McGuire & Mara 2017, "Phenomenological Transparency".
 
@@ -72,6 +72,7 @@ def build(*, name: str, detail: float) -> Scene:
 
 
 def _glass(index: float) -> Material:
+    """Return a tinted, clear solid of a refractive index."""
     return Material(transmission=TINT, index=index, roughness=0.0, solid=True)
 
 

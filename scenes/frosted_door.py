@@ -1,4 +1,4 @@
-"""A frosted glass door at night, with two people in the corridor behind it and lettering on it.
+"""A frosted glass door at night, two people in the corridor behind it and lettering in front.
 
 Arranged as figures 1 (left) and 21a of McGuire & Mara 2017, "Phenomenological Transparency".
 

@@ -26,10 +26,13 @@ order : str
 seed : int
     Seed of the shuffled order.
 
-The picture has a closed form: with the layers ordered from near to far, it is Σ αᵢ Lᵢ Π τⱼ + C₀ Π τ
-everywhere, where τ = 1 − α + α t. Each plane is an object of its own and perpendicular to the view
-axis, so that sorting objects by distance is exact. The planes fill views of aspect ratios up to
-4:1.
+With the layers ordered from near to far, the picture has the closed form
+
+    Σ αᵢ Lᵢ Π τⱼ + C₀ Π τ,    τ = 1 − α + α t,
+
+where the first product is over the layers in front of layer i. Each plane is an object of its own
+and perpendicular to the view axis, so that sorting objects by distance is exact. The planes fill
+views of aspect ratios up to 4:1.
 """
 
 from __future__ import annotations
@@ -135,6 +138,7 @@ def _transmission(kind: str, clarity: float, color: RGB) -> RGB:
 
 
 def _scaled(color: RGB, factor: float) -> RGB:
+    """Return the color times a factor."""
     return (factor * color[0], factor * color[1], factor * color[2])
 
 

@@ -11,11 +11,12 @@ alpha : float
 seed : int
     Seed of the particles.
 
-The kinds of shadow are chosen by effects. Under `-translucent_shadows,-colored_shadows,-caustics`,
-a surface that blocks at least half of the light blocks all of it: cloud and ball cast black
-shadows. Under `-caustics`, the shadow of the cloud depends on its thickness, and that of the ball
-is a disc of colored light. Under all requested effects, the ball focuses light in the middle of its
-shadow. The cloud shadows itself, so that its lower part is darker.
+The option `--effects` chooses the kind of shadow. Under
+`-translucent_shadows,-colored_shadows,-caustics`, a surface that blocks at least half of the light
+blocks all of it: cloud and ball cast black shadows. Under `-caustics`, the shadow of the cloud
+depends on its thickness, and that of the ball is a disc of colored light. Under all requested
+effects, the ball focuses light in the middle of its shadow. The cloud shadows itself, so that its
+lower part is darker.
 """
 
 from __future__ import annotations
