@@ -51,7 +51,7 @@ def test_repeated_copies_are_translated() -> None:
     template = quad((0, 0, 0), (1, 0, 0), (0, 1, 0))
     mesh = repeated(template, [(0, 0, 0), (5, 0, -1)])
     np.testing.assert_array_equal(mesh.positions[:4], template.positions)
-    np.testing.assert_array_equal(mesh.positions[4:], template.positions + [5, 0, -1])
+    np.testing.assert_array_equal(mesh.positions[4:], np.add(template.positions, (5, 0, -1)))
 
 
 def test_merge_joins_in_order_and_refuses_mixed_attributes() -> None:
