@@ -96,9 +96,6 @@ class EnvironmentLight:
     def __post_init__(self) -> None:
         if not isinstance(self.radiance, Texture):
             require_finite("light", radiance=self.radiance)
-        else:
-            shape = self.radiance.texels.shape
-            require(len(shape) == 3, f"light: its map is {shape}; give (h, w, 3)")
 
 
 Light = DirectionalLight | SpotLight | EnvironmentLight
