@@ -1,11 +1,22 @@
-"""A court of two storeys of arcades in uniform fog under uniform ambient light.
+"""A court between two stories of arcades, in uniform fog under uniform ambient light.
 
-Surfaces glow as they would under an overcast sky, about as brightly as the sky itself, so that the
-fog has nearly the same light from all sides, and scatters it alike to all. So fog of extinction σ
-adds up in closed form: at distance s a surface of radiance C₀ appears as C₀ e^(−σs) + L (1 −
-e^(−σs)), with L the fog's albedo times the ambient radiance, and banners of the same paints can be
-compared at several distances. The arrangement is that of figure 13 of McGuire & Mara 2017,
-"Phenomenological Transparency".
+Arranged as figure 13 of McGuire & Mara 2017, "Phenomenological Transparency".
+
+Parameters
+----------
+detail : float
+    Factor on the number of triangles.
+extinction : float
+    Extinction coefficient σ of the fog, m⁻¹.
+
+Surfaces glow as they would under an overcast sky, about as brightly as the sky itself. The fog
+scatters equally to all sides, so that it receives nearly the same light from all of them. Its
+effect then has a closed form: at distance s, a surface of radiance C₀ appears as
+
+    C₀ e^(−σs) + L (1 − e^(−σs)),
+
+where L is the albedo of the fog times the ambient radiance. Banners of the same paints hang at
+several distances for comparison.
 """
 
 from __future__ import annotations
@@ -16,18 +27,33 @@ from dataclasses import replace
 import numpy as np
 
 from oitbench.modeling.baking import normals_of, with_radiance
-from oitbench.modeling.mesh import divisions, grid, lathe, merge, rotation, smooth_curve, transform
-from oitbench.modeling.props.architecture import arch, column, repeated, slab
+from oitbench.modeling.detail import DETAIL, divisions
+from oitbench.modeling.mesh import grid, lathe, slab
+from oitbench.modeling.placement import merge, repeated, rotation, transform
+from oitbench.modeling.profiles import smooth_curve
+from oitbench.modeling.props.architecture import arch, column
 from oitbench.parameters import Parameter
-from oitbench.scene import RGB, Camera, EnvironmentLight, Material, Medium, Mesh, Object, Scene
+from oitbench.scene import (
+    RGB,
+    Camera,
+    EnvironmentLight,
+    Material,
+    Medium,
+    Mesh,
+    Object,
+    Scene,
+    Vector,
+)
 
 quick = False
 parameters = {
-    "detail": Parameter(1.0, low=0.0, high=100.0, help="factor on the triangles of a surface"),
-    "extinction": Parameter(0.035, low=0.0, high=10.0, help="of the fog, per metre"),
+    "detail": DETAIL,
+    "extinction": Parameter(
+        0.035, low=0.0, high=10.0, help="extinction coefficient of the fog, 1/m"
+    ),
 }
 
-# Metres. The court lies along -z, between arcades whose columns stand at x = ±COURT.
+# Meters. The court lies along −z, between arcades whose columns stand at x = ±COURT.
 COURT, AISLE, NEAR, BAY, BAYS = 4.2, 7.2, 2.0, 3.0, 8
 FAR = NEAR - BAY * BAYS
 SHAFT, LOWER, WALL = 0.30, 3.3, 0.7
@@ -40,7 +66,7 @@ TILE = 1.2
 AMBIENT: RGB = (0.46, 0.49, 0.54)
 LIGHT: RGB = (1.0, 0.99, 0.97)  # radiance of a white surface that faces up
 FOG_ALBEDO: RGB = (0.62, 0.62, 0.62)
-# What a white surface shows that faces up, to the side and down, as parts of that.
+# Radiance of a white surface that faces up, sideways and down, as fractions of LIGHT.
 FACING_UP, FACING_ASIDE, FACING_DOWN = 1.0, 0.8, 0.55
 SANDSTONE = Material(emission=(0.56, 0.46, 0.34))
 MARBLE = Material(emission=(0.64, 0.60, 0.54))
@@ -56,7 +82,7 @@ CLOTHS: dict[str, RGB] = {
 
 
 def build(*, name: str, detail: float, extinction: float) -> Scene:
-    """Return the court, its banners and the fog."""
+    """Return the court with its banners, in the fog."""
     fog = Medium(
         extinction=extinction,
         low=(-AISLE - 0.2, -0.2, FAR - 0.2),
@@ -75,21 +101,21 @@ def build(*, name: str, detail: float, extinction: float) -> Scene:
 
 
 def _glowing(item: Object) -> Object:
-    """Return the object under an overcast sky: the more it faces up, the brighter."""
+    """Return the object as lit by an overcast sky: brighter where it faces up."""
     upward = normals_of(item.mesh)[:, 1:2]
     shade = np.interp(upward, [-1, 0, 1], [FACING_DOWN, FACING_ASIDE, FACING_UP])
     return replace(item, mesh=with_radiance(item.mesh, shade * np.asarray(LIGHT)))
 
 
 def _floors() -> tuple[Object, ...]:
-    """Return a floor of tiles of two shades, and the walls behind the arcades."""
+    """Return a floor with tiles of two shades, and the walls behind the arcades."""
     tiles: tuple[list[Mesh], list[Mesh]] = ([], [])
     columns, rows = round(2 * AISLE / TILE), round((NEAR + 1 - FAR) / TILE)
-    for column_ in range(columns):
+    for place in range(columns):
         for row in range(rows):
-            x, z = -AISLE + TILE * (column_ + 0.5), NEAR + 1 - TILE * (row + 0.5)
+            x, z = -AISLE + TILE * (place + 0.5), NEAR + 1 - TILE * (row + 0.5)
             tile = grid((x, 0, z), (TILE / 2, 0, 0), (0, 0, -TILE / 2))
-            tiles[(column_ + row) % 2].append(tile)
+            tiles[(place + row) % 2].append(tile)
     middle, half = (NEAR + 1 + FAR) / 2, (NEAR + 1 - FAR) / 2
     walls = [
         grid((side * AISLE, TOP / 2, middle), (0, 0, half * side), (0, TOP / 2, 0))
@@ -104,7 +130,7 @@ def _floors() -> tuple[Object, ...]:
 
 
 def _arcades(detail: float) -> tuple[Object, ...]:
-    """Return columns, arches, floors and railings of both storeys, on both sides and at the end."""
+    """Return columns, arches, floors and railings of both stories, on both sides and at the end."""
     lower = column(LOWER, SHAFT, detail)
     upper = column(UPPER, 0.6 * SHAFT, 0.35 * detail)
     segments = divisions(18, detail, 6)
@@ -142,7 +168,7 @@ def _ledges() -> Mesh:
         parts.append(slab((inner, UPPER_FLOOR - 0.3, FAR), (outer, UPPER_FLOOR, NEAR + 1)))
         inner, outer = sorted((side * (COURT - WALL / 2 - 0.15), side * AISLE))
         parts.append(slab((inner, TOP - 0.35, FAR), (outer, TOP + 0.05, NEAR + 1)))
-    # The far end is a wall with a doorway's frame and a ledge.
+    # The far end has two ledges and the frame of a doorway.
     parts += [
         slab((-COURT, UPPER_FLOOR - 0.3, FAR), (COURT, UPPER_FLOOR, FAR + 0.5)),
         slab((-COURT, TOP - 0.35, FAR), (COURT, TOP + 0.05, FAR + 0.4)),
@@ -154,7 +180,7 @@ def _ledges() -> Mesh:
 
 
 def _railings(detail: float) -> Mesh:
-    """Return the balustrades of the upper storey."""
+    """Return the balustrades of the upper story."""
     outline = [(0.05, 0.0), (0.05, 0.1), (0.085, 0.28), (0.035, 0.6), (0.05, RAIL_HEIGHT - 0.1)]
     profile = smooth_curve(outline, divisions(8, detail, 4))
     baluster = lathe(profile, divisions(6, detail, 4))
@@ -163,7 +189,7 @@ def _railings(detail: float) -> Mesh:
     parts = []
     for side in (-1, 1):
         x = side * COURT
-        places: list[RGB] = [(x, UPPER_FLOOR, NEAR - pitch * (i + 0.5)) for i in range(count)]
+        places: list[Vector] = [(x, UPPER_FLOOR, NEAR - pitch * (i + 0.5)) for i in range(count)]
         parts.append(repeated(baluster, places))
         height = UPPER_FLOOR + RAIL_HEIGHT
         parts.append(slab((x - 0.09, height - 0.12, FAR), (x + 0.09, height, NEAR)))
@@ -171,7 +197,7 @@ def _railings(detail: float) -> Mesh:
 
 
 def _banners(detail: float) -> tuple[Object, ...]:
-    """Return banners in each bay, in three paints in turn, each with a white stripe and a hem."""
+    """Return banners at each pier, in three paints in turn, with two white stripes each."""
     cloths: dict[str, list[Mesh]] = {paint: [] for paint in CLOTHS}
     stripes = []
     rows = divisions(10, detail, 3)

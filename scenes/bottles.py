@@ -1,10 +1,18 @@
-"""Four colored plastic bottles on a table, standing partly behind each other.
+"""Four bottles of colored plastic on a table, partly behind each other, under a lamp behind them.
 
-A view ray meets up to four walls per bottle: outer and inner wall, at the front and at the back.
-One bottle is one object and its mesh holds both shells, as a modeler would export it. So no order
-of the objects is right: inside a bottle the triangles come in the order of the mesh. A lamp behind
-them throws their colors on the table. The arrangement is that of figure 12 of McGuire & Mara 2017,
-"Phenomenological Transparency".
+Arranged as figure 12 of McGuire & Mara 2017, "Phenomenological Transparency".
+
+Parameters
+----------
+detail : float
+    Factor on the number of triangles.
+coverage : float
+    Coverage α of the plastic, in [0, 1].
+
+A view ray meets up to four walls per bottle: the outer and the inner wall, at the front and at the
+back. Each bottle is one object whose mesh holds both walls, as a modeling program would export it.
+No order of the objects is therefore right: inside a bottle, triangles are drawn in the order of the
+mesh. The lamp casts colored shadows towards the viewer.
 """
 
 from __future__ import annotations
@@ -14,31 +22,36 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from oitbench.modeling.mesh import (
-    Floats,
-    divisions,
-    lathe,
-    merge,
-    quad,
-    smooth_curve,
-    transform,
-    translation,
-)
-from oitbench.modeling.skies import gradient_sky
+from oitbench.modeling.detail import DETAIL, divisions
+from oitbench.modeling.mesh import lathe, quad
+from oitbench.modeling.placement import merge, transform, translation
+from oitbench.modeling.profiles import inset, smooth_curve
+from oitbench.modeling.surroundings import gradient_sky
 from oitbench.parameters import Parameter
-from oitbench.scene import RGB, Camera, DirectionalLight, Material, Mesh, Object, Scene
+from oitbench.scene import (
+    RGB,
+    Camera,
+    DirectionalLight,
+    Floats,
+    Material,
+    Mesh,
+    Object,
+    Scene,
+    Vector,
+)
 
 parameters = {
-    "detail": Parameter(1.0, low=0.0, high=100.0, help="factor on the triangles of a surface"),
+    "detail": DETAIL,
     "coverage": Parameter(0.94, low=0.0, high=1.0, help="coverage of the plastic"),
 }
 
 WALL = 0.0025
-# The bottles stand off the table by a millimetre: coincident surfaces have no right picture.
+"""Thickness of the plastic, meters."""
 GAP = 0.001
-TABLE = 30.0  # half of its sides, metres: its edge is the horizon
-# The lamp stands behind the bottles, so that their shadows fall towards the viewer.
-LAMP_DIRECTION: RGB = (0.62, -1.0, 0.62)
+"""Meters between the table and the bottles: coincident surfaces have no right picture."""
+TABLE = 30.0  # half of its sides, meters; its edge is the horizon
+# The lamp is behind the bottles, so that their shadows fall towards the viewer.
+LAMP_DIRECTION: Vector = (0.62, -1.0, 0.62)
 LAMP: RGB = (2.1, 2.0, 1.8)  # irradiance
 ROOM = (
     (-90.0, (0.40, 0.39, 0.37)),
@@ -47,26 +60,34 @@ ROOM = (
     (90.0, (0.34, 0.38, 0.44)),
 )
 PAPER = Material(albedo=(0.80, 0.77, 0.72), specular=0.0)
-# Both of its walls are thin films: smooth enough for a highlight, and slightly milky.
+# Each wall of a bottle is a thin film, smooth enough for a highlight and slightly milky.
 REFLECTANCE, ROUGHNESS = 0.05, 0.25
 MILKINESS = 0.08  # albedo of a white wall
 
 
 @dataclass(frozen=True)
 class Bottle:
-    """A bottle's foot, its transmission per wall, and its outline from the foot to the mouth.
+    """A bottle.
 
-    `radii` and `heights` are the corners of the outline in millimetres, rounded off later.
+    Parameters
+    ----------
+    name : str
+    foot : Vector
+        Position of the middle of the foot, meters.
+    transmission : RGB
+        Transmission of one wall.
+    radii, heights : tuple of float
+        Corners of the outline from the foot to the mouth, millimeters. They will be rounded off.
     """
 
     name: str
-    foot: RGB
+    foot: Vector
     transmission: RGB
     radii: tuple[float, ...]
     heights: tuple[float, ...]
 
     def outline(self, count: int) -> Floats:
-        """Return `count` points (radius, height) in metres, from the foot's middle upwards."""
+        """Return `count` points (radius, height) in meters, from the middle of the foot upwards."""
         return smooth_curve(np.stack([self.radii, self.heights], axis=1) / 1000, count)
 
 
@@ -103,7 +124,7 @@ BOTTLES = (
 
 
 def build(*, name: str, detail: float, coverage: float) -> Scene:
-    """Return the table and the bottles, in an order of submission that no view would choose."""
+    """Return the table and the bottles, in an order that is right from no viewpoint."""
     camera = Camera(
         position=(0.03, 0.25, 0.98), target=(0.002, 0.142, 0.0), fov_y=math.radians(23.5)
     )
@@ -117,7 +138,7 @@ def build(*, name: str, detail: float, coverage: float) -> Scene:
 
 
 def _plastic(bottle: Bottle, coverage: float) -> Material:
-    """Return the film of one wall, with a hint of body color under the reflections."""
+    """Return the film of one wall, with a slight diffuse color."""
     return Material(
         coverage=coverage,
         transmission=bottle.transmission,
@@ -128,30 +149,22 @@ def _plastic(bottle: Bottle, coverage: float) -> Material:
 
 
 def _shade(bottle: Bottle, scale: float, power: int, offset: float) -> RGB:
-    """Return a darker, more saturated shade of what passes the bottle."""
+    """Return a darker, more saturated shade of the bottle's transmission."""
     red, green, blue = (scale * part**power + offset for part in bottle.transmission)
     return (red, green, blue)
 
 
 def _walls(bottle: Bottle, detail: float) -> Mesh:
-    """Return outer and inner wall as one mesh."""
+    """Return the outer and the inner wall as one mesh."""
     slices = divisions(96, detail, 8)
     outer = bottle.outline(divisions(96, detail, 16))
-    shells = merge([lathe(outer, slices), lathe(_inset(outer)[::-1], slices)])
+    inner = np.maximum(inset(outer, WALL), 0.0)
+    shells = merge([lathe(outer, slices), lathe(inner[::-1], slices)])
     return transform(shells, translation(bottle.foot))
 
 
-def _inset(outline: Floats) -> Floats:
-    """Return `outline` moved inwards by the thickness of the wall, closed at the axis."""
-    tangent = np.gradient(outline, axis=0)
-    normal = np.stack([tangent[:, 1], -tangent[:, 0]], axis=1)
-    inner = outline - WALL * normal / np.linalg.norm(normal, axis=1, keepdims=True)
-    inner[0, 0] = 0.0
-    return np.asarray(np.maximum(inner, 0.0))
-
-
 def _cap(bottle: Bottle, detail: float) -> Mesh:
-    """Return an opaque screw cap over the mouth."""
+    """Return a screw cap over the mouth."""
     radius, top = bottle.radii[-1] / 1000 + WALL, bottle.heights[-1] / 1000
     side = smooth_curve(
         [(radius, top - 0.017), (radius, top), (radius, top)], divisions(8, detail, 2)

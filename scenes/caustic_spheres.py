@@ -1,10 +1,16 @@
-"""Four clear solids over a light floor under one inclined spot light, to compare their caustics.
+"""Three clear balls and a clear knot over a light floor, with their caustics under a spot light.
 
-The balls have refractive indices 1.0, 1.3 and 1.5: the first is a tinted volume that bends no light
-and throws an even shadow, the others gather light in the middle of theirs, the more the higher the
-index. The fourth is a knotted ring of index 1.5, whose light crosses several walls. All have the
-same tint. The floor is a gradient because the light is inclined. Figures 10 and 11 of McGuire &
-Mara 2017, "Phenomenological Transparency".
+Stands for figures 10 and 11 of McGuire & Mara 2017, "Phenomenological Transparency".
+
+Parameters
+----------
+detail : float
+    Factor on the number of triangles.
+
+The balls have the refractive indices 1.0, 1.3 and 1.5. The first is a tinted volume that does not
+refract and casts an even shadow. The others focus light in the middle of their shadows, the more
+the higher their index. The knot is a knotted ring of index 1.5, and light through it crosses
+several walls. All four have the same tint. The floor is not uniform because the light is inclined.
 """
 
 from __future__ import annotations
@@ -13,30 +19,41 @@ import math
 
 import numpy as np
 
-from oitbench.modeling.mesh import Floats, divisions, quad, sphere
-from oitbench.modeling.skies import gradient_sky
-from oitbench.parameters import Parameter
-from oitbench.scene import RGB, Camera, Material, Mesh, Object, Scene, SpotLight
+from oitbench.modeling.detail import DETAIL, divisions
+from oitbench.modeling.mesh import quad, sphere
+from oitbench.modeling.surroundings import gradient_sky
+from oitbench.scene import (
+    RGB,
+    Camera,
+    Floats,
+    Material,
+    Mesh,
+    Object,
+    Scene,
+    SpotLight,
+    Vector,
+    unit,
+)
 
 quick = False
 parameters = {
-    "detail": Parameter(1.0, low=0.0, high=100.0, help="factor on the triangles of a surface"),
+    "detail": DETAIL,
 }
 
 TINT: RGB = (0.90, 0.82, 0.68)  # transmission of one wall
 RADIUS = 0.42
-HEIGHT = 0.70  # of the middles over the floor, metres
-# Refractive index of each ball, and where it stands along the row.
+HEIGHT = 0.70  # of the middles above the floor, meters
+# Refractive index of each ball, and its x, meters.
 BALLS = ((1.0, -1.65), (1.3, -0.55), (1.5, 0.55))
-KNOT: RGB = (1.65, HEIGHT, 0.0)
-# The knot winds round a ring: radii of the ring, of the winding and of the strand, metres.
+KNOT: Vector = (1.65, HEIGHT, 0.0)
+# The knot winds around a ring. Radii of the ring, of the winding and of the strand, meters.
 RING, WINDING, STRAND = 0.235, 0.105, 0.075
 TURNS, WINDINGS = 2, 3
 SURROUNDINGS = ((-90.0, (0.08, 0.08, 0.08)), (0.0, (0.20, 0.20, 0.21)), (90.0, (0.12, 0.14, 0.17)))
 
 
 def build(*, name: str, detail: float) -> Scene:
-    """Return the floor, the balls in ascending order of index, and the knot."""
+    """Return the floor, the balls by ascending index, and the knot."""
     camera = Camera(position=(0.0, 4.8, 4.0), target=(0.07, 0.34, 0.06), fov_y=math.radians(45))
     paper = Material(albedo=(0.62, 0.62, 0.62), specular=0.0)
     objects = [Object("floor", quad((0, 0, 0), (30, 0, 0), (0, 0, -30)), paper, casts=False)]
@@ -55,20 +72,21 @@ def build(*, name: str, detail: float) -> Scene:
 
 
 def _glass(index: float) -> Material:
+    """Return a tinted, clear solid of a refractive index."""
     return Material(transmission=TINT, index=index, roughness=0.0, solid=True)
 
 
 def _knot(detail: float) -> Mesh:
-    """Return a closed tube along a torus knot; its first rows and columns follow its last."""
+    """Return a closed tube along a torus knot."""
     lengths, sides = divisions(240, detail, 48), divisions(20, detail, 6)
     along = np.arange(lengths) / lengths * 2 * math.pi
     center = _strand(along)
-    tangent = _unit(_strand(along + 1e-4) - _strand(along - 1e-4))
-    # Away from the middle of the ring's tube: never along the strand, and the same after a round.
-    away = _unit(center - _ring(along))
+    tangent = unit(_strand(along + 1e-4) - _strand(along - 1e-4))
+    # The direction away from the ring is never along the strand and is the same after one round.
+    away = unit(center - _ring(along))
     side = np.cross(tangent, away)
-    round_ = (np.arange(sides) / sides * 2 * math.pi)[None, :, None]
-    normals = np.cos(round_) * away[:, None] + np.sin(round_) * side[:, None]
+    turn = (np.arange(sides) / sides * 2 * math.pi)[None, :, None]
+    normals = np.cos(turn) * away[:, None] + np.sin(turn) * side[:, None]
     positions = np.asarray(KNOT) + center[:, None] + STRAND * normals
     row, column = np.meshgrid(np.arange(lengths), np.arange(sides), indexing="ij")
     next_row, next_column = (row + 1) % lengths, (column + 1) % sides
@@ -80,29 +98,23 @@ def _knot(detail: float) -> Mesh:
     )
     a, b, c, d = (corner.ravel() for corner in corners)
     triangles = np.concatenate([np.stack([a, b, c], axis=1), np.stack([a, c, d], axis=1)])
-    return Mesh(
-        positions.reshape(-1, 3).astype(np.float32),
-        triangles.astype(np.uint32),
-        normals=normals.reshape(-1, 3).astype(np.float32),
-    )
+    return Mesh.from_arrays(positions.reshape(-1, 3), triangles, normals=normals.reshape(-1, 3))
 
 
 def _strand(along: Floats) -> Floats:
-    """Return the knot's middle line round the origin, tilted towards the viewer, shape (n, 3)."""
+    """Return points of the knot's center line about the origin, shape (n, 3)."""
     reach = RING + WINDING * np.cos(WINDINGS * along)
     return _tilted(reach, WINDING * np.sin(WINDINGS * along), TURNS * along)
 
 
 def _ring(along: Floats) -> Floats:
+    """Return the points of the ring that are nearest to those of the strand, shape (n, 3)."""
     return _tilted(np.full_like(along, RING), np.zeros_like(along), TURNS * along)
 
 
 def _tilted(reach: Floats, height: Floats, angle: Floats) -> Floats:
+    """Return points given in cylindrical coordinates, tilted towards the viewer, shape (n, 3)."""
     tilt = math.radians(50)
     x, y, z = reach * np.cos(angle), height, reach * np.sin(angle)
     turned = [x, math.cos(tilt) * y - math.sin(tilt) * z, math.sin(tilt) * y + math.cos(tilt) * z]
     return np.stack(turned, axis=1)
-
-
-def _unit(vectors: Floats) -> Floats:
-    return np.asarray(vectors / np.linalg.norm(vectors, axis=-1, keepdims=True))

@@ -1,18 +1,27 @@
-"""A game of chess between red and clear glass men: one mesh a color, so no order of objects sorts.
+"""A game of chess between red and clear glass men on a garden set, its king 0.9 m tall.
 
-Men of both colors stand before and behind each other all over the board, each a solid that bends
-light and throws a colored shadow. The subject is that of figure 19 of McGuire & Mara 2017,
-"Phenomenological Transparency". The set is one for a garden, its king 0.9 m tall.
+Subject of figure 19 of McGuire & Mara 2017, "Phenomenological Transparency".
+
+Parameters
+----------
+detail : float
+    Factor on the number of triangles.
+
+The men of one color are one object, and men of both colors stand in front of and behind each other
+all over the board: no order of the two objects is right. Each man is a solid that refracts light
+and casts a colored shadow.
 """
 
 from __future__ import annotations
 
 import math
 
-from oitbench.modeling.mesh import box, grid, merge, rotation, transform, translation
-from oitbench.modeling.patterns import Window, checkers, room
-from oitbench.modeling.props.chessmen import man
-from oitbench.parameters import Parameter
+from oitbench.modeling.detail import DETAIL
+from oitbench.modeling.mesh import box, grid
+from oitbench.modeling.patterns import checkers
+from oitbench.modeling.placement import merge, rotation, transform, translation
+from oitbench.modeling.props.chessmen import piece
+from oitbench.modeling.surroundings import Window, room
 from oitbench.scene import (
     RGB,
     Camera,
@@ -22,15 +31,15 @@ from oitbench.scene import (
     Mesh,
     Object,
     Scene,
-    Texture,
+    Vector,
 )
 
 KING_HEIGHT, SQUARE = 0.9, 0.48
 GROUND_REACH = 60.0
-"""Metres from the middle of the board to the sides of the ground, beyond the view."""
+"""Meters from the middle of the board to the sides of the ground, which are out of view."""
 GAP = 0.001
-"""Metres between the board and its men: coincident surfaces have no right picture."""
-# The men of each color by their squares, in the order in which they are drawn.
+"""Meters between the board and its men: coincident surfaces have no right picture."""
+# The men of each color by their squares, in the order of submission.
 POSITIONS: dict[str, dict[str, str]] = {
     "clear": {
         "g1": "king",
@@ -53,7 +62,7 @@ POSITIONS: dict[str, dict[str, str]] = {
         "g4": "bishop",
     },
 }
-# Transmission of one surface; light crosses at least two.
+# Transmission of one surface; light crosses at least two of them.
 GLASS: dict[str, RGB] = {"clear": (0.90, 0.96, 0.93), "red": (0.92, 0.24, 0.22)}
 INDEX = 1.5
 IVORY = Material(albedo=(0.70, 0.64, 0.53), specular=0.0)
@@ -63,12 +72,12 @@ GROUND = Material(albedo=(0.42, 0.44, 0.42), specular=0.0)
 
 quick = False
 parameters = {
-    "detail": Parameter(1.0, low=0.0, high=100.0, help="factor on the triangles of a surface"),
+    "detail": DETAIL,
 }
 
 
 def build(*, name: str, detail: float) -> Scene:
-    """Return the board on its ground, and one object of glass for each color."""
+    """Return the board on the ground, and one glass object for each color."""
     men = [
         Object(
             f"{color} men",
@@ -83,32 +92,32 @@ def build(*, name: str, detail: float) -> Scene:
         objects=(*_board(), *men),
         lights=(
             DirectionalLight(direction=(0.55, -1.0, 0.5), irradiance=(2.2, 2.1, 1.9)),
-            EnvironmentLight(_room()),
+            _room(),
         ),
     )
 
 
 def _men(color: str, detail: float) -> Mesh:
-    """Return all men of one color; clear men look up the board and red ones down."""
+    """Return all men of one color. Clear men look away from the viewer, red men towards."""
     ahead = math.pi / 2 if color == "clear" else -math.pi / 2
     models: dict[str, Mesh] = {}
     placed = []
     for square, kind in POSITIONS[color].items():
         if kind not in models:
             turned = rotation((0, 1, 0), ahead - 0.5)
-            models[kind] = transform(man(kind, KING_HEIGHT, detail), turned)
+            models[kind] = transform(piece(kind, KING_HEIGHT, detail), turned)
         placed.append(transform(models[kind], translation(_middle(square))))
     return merge(placed)
 
 
-def _middle(square: str) -> RGB:
-    """Return where a man on a square such as "e4" stands; white's first rank is nearest."""
+def _middle(square: str) -> Vector:
+    """Return the foot of a man on a square such as "e4"; the first rank is nearest."""
     column, row = "abcdefgh".index(square[0]), int(square[1]) - 1
     return (SQUARE * (column - 3.5), GAP, SQUARE * (3.5 - row))
 
 
 def _board() -> list[Object]:
-    """Return the squares, a rim round them that stands a little lower, and the ground."""
+    """Return the squares, the slightly lower rim around them, and the ground."""
     half = 4 * SQUARE
     dark, light = checkers((0, 0, 0), (half, 0, 0), (0, 0, -half), 8, 8)
     width, thick = 2 * half + 0.3, 0.08
@@ -122,8 +131,8 @@ def _board() -> list[Object]:
     ]
 
 
-def _room() -> Texture:
-    """Return a bright room: tall windows ahead to the left and one behind to the right."""
+def _room() -> EnvironmentLight:
+    """Return a bright room with tall windows ahead on the left and one behind on the right."""
     bright = (3.4, 3.5, 3.7)
     windows = (
         Window(azimuth=-0.9, elevation=0.3, width=0.4, height=0.8, radiance=bright),

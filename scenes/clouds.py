@@ -1,8 +1,18 @@
-"""Four clouds before a sky, dark below because they shade themselves.
+"""Four clouds in front of a sky, dark below because they shadow themselves.
 
-The sun stands high on the left, behind the viewer's shoulder, so that the leftmost cloud throws its
-shadow on a part of the center one. Nothing in the scene is opaque. Figure 18 of McGuire & Mara
-2017, "Phenomenological Transparency".
+Stands for figure 18 of McGuire & Mara 2017, "Phenomenological Transparency".
+
+Parameters
+----------
+detail : float
+    Factor on the number of particles. The optical thickness stays the same.
+alpha : float
+    Coverage at the middle of a particle at detail 1, in [0, 1].
+seed : int
+    Seed of the particles.
+
+The sun is high on the left behind the viewer, so that the leftmost cloud casts its shadow on a part
+of the center one. Nothing in the scene is opaque.
 """
 
 from __future__ import annotations
@@ -12,33 +22,47 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from oitbench.modeling.particles import fill, puff, shared_coverage, sprites
-from oitbench.modeling.skies import gradient_sky
+from oitbench.modeling.detail import PARTICLE_DETAIL, copies
+from oitbench.modeling.particles import fill, smoke, sprites
+from oitbench.modeling.surroundings import gradient_sky
 from oitbench.parameters import Parameter
-from oitbench.scene import RGB, Camera, DirectionalLight, Material, Mesh, Object, Scene
+from oitbench.scene import RGB, Camera, DirectionalLight, Mesh, Object, Scene, Vector, opposite
 
 quick = False
 parameters = {
-    "detail": Parameter(
-        1.0, low=0.0, high=100.0, help="factor on the number of particles; thickness stays the same"
+    "detail": PARTICLE_DETAIL,
+    "alpha": Parameter(
+        0.25, low=0.0, high=1.0, help="coverage at the middle of a particle at detail 1"
     ),
-    "alpha": Parameter(0.25, low=0.0, high=1.0, help="coverage at a particle's middle at detail 1"),
     "seed": Parameter(1, low=0, help="seed of the particles"),
 }
 
 
 @dataclass(frozen=True)
 class Cloud:
-    """A heap of lobes (x, y, z, radius) round `center`, in metres, of `count` particles."""
+    """A heap of spherical lobes that is filled with particles.
+
+    Parameters
+    ----------
+    name : str
+    center : Vector
+        Meters.
+    scale : float
+        Meters per unit of the lobes.
+    count : int
+        Number of particles at detail 1.
+    lobes : tuple
+        (x, y, z, radius) of each lobe, in units of `scale`.
+    """
 
     name: str
-    center: RGB
+    center: Vector
     scale: float
     count: int
     lobes: tuple[tuple[float, float, float, float], ...]
 
 
-# Heaps on a level base, in units of the cloud's scale.
+# Lobes on a level base.
 BROAD = (
     (-0.95, 0.05, 0.0, 0.42), (-0.45, 0.22, 0.1, 0.55), (0.10, 0.36, -0.1, 0.66),
     (0.60, 0.18, 0.1, 0.52), (1.02, 0.02, 0.0, 0.38), (0.0, 0.0, 0.25, 0.50),
@@ -54,8 +78,8 @@ CLOUDS = (
     Cloud("far cloud", (150, 34, -520), 46.0, 260, BROAD),
 )
 PARTICLE_RADII = (0.20, 0.38)  # in units of the cloud's scale
-FLATNESS = 0.75  # of the lobes' heights
-SUNWARD: RGB = (-0.70, 0.72, 0.06)
+FLATNESS = 0.75  # factor on the heights of the lobes
+SUNWARD: Vector = (-0.70, 0.72, 0.06)
 SUN: RGB = (10.5, 9.8, 8.8)  # irradiance
 SKY = (
     (-30.0, (0.16, 0.19, 0.20)),
@@ -68,25 +92,22 @@ SKY = (
 
 
 def build(*, name: str, detail: float, alpha: float, seed: int) -> Scene:
-    """Return the clouds, the nearer ones first."""
+    """Return the clouds."""
     camera = Camera(position=(0, 2, 0), target=(8, 70, -320), fov_y=math.radians(38), near=10.0)
     objects = []
     for stream, cloud in enumerate(CLOUDS):
-        # A stream of its own, so that no cloud changes with the others' numbers of particles.
+        # With a stream of its own, no cloud depends on the number of particles of the others.
         random = np.random.default_rng([seed, stream])
-        count = max(8, round(cloud.count * detail))
-        vapor = Material(
-            coverage=puff(shared_coverage(alpha, cloud.count, count)),
-            albedo=(0.99, 0.99, 0.99),
-            isotropic=True,
-        )
+        count = copies(cloud.count, detail)
+        vapor = smoke(alpha, 0.99, cloud.count, count)
         mesh = _particles(cloud, random, count, camera)
         objects.append(Object(cloud.name, mesh, vapor, particles=True))
-    sun = DirectionalLight((-SUNWARD[0], -SUNWARD[1], -SUNWARD[2]), SUN)
+    sun = DirectionalLight(opposite(SUNWARD), SUN)
     return Scene(name, camera, tuple(objects), lights=(sun, gradient_sky(SKY)))
 
 
 def _particles(cloud: Cloud, random: np.random.Generator, count: int, camera: Camera) -> Mesh:
+    """Return the particles of one cloud."""
     lobes = np.asarray(cloud.lobes)
     places = fill(random, count, lobes[:, :3], lobes[:, 3], stretch=(1.0, FLATNESS, 1.0))
     centers = np.asarray(cloud.center) + cloud.scale * places

@@ -1,9 +1,21 @@
-"""A street at night in fog: lamps, lit windows and two people, the farther the more blurred.
+"""A street at night in fog, with lamps, lit windows and two people, blurred more with distance.
 
-The fog thickens with distance and near the ground. The woman has little of it before her; the man
-stands deeper in it under a lamp, and the houses at the end dissolve. Two lamps throw beams, in
-which bodies, shades and the leaves of a tree cast shadows through the fog. The arrangement is that
-of figures 1 (right) and 21b of McGuire & Mara 2017, "Phenomenological Transparency".
+Arranged as figures 1 (right) and 21b of McGuire & Mara 2017, "Phenomenological Transparency".
+
+Parameters
+----------
+detail : float
+    Factor on the number of triangles and leaves.
+seed : int
+    Seed of the lit windows and of the leaves.
+extinction : float
+    Extinction coefficient of the fog where its density is one, m⁻¹.
+collimation : float
+    Collimation of the fog, in [0, 1]; 1 for no blur.
+
+The fog thickens with distance and towards the ground. There is little of it in front of the woman.
+The man stands deeper in it under a lamp, and the houses at the end dissolve. Two lamps cast beams,
+in which people, lamp shades and the leaves of a tree cast shadows through the fog.
 """
 
 from __future__ import annotations
@@ -13,60 +25,62 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
-from oitbench.modeling.mesh import (
-    divisions,
-    frames,
-    grid,
-    lathe,
+from oitbench.modeling.detail import DETAIL, copies, divisions, enlargement
+from oitbench.modeling.mesh import grid, lathe, quad, slab
+from oitbench.modeling.placement import (
     merge,
+    random_directions,
+    repeated,
     rotation,
     scatter,
-    smooth_curve,
     transform,
     translation,
 )
-from oitbench.modeling.props.architecture import globe, lamp_post, repeated, slab
+from oitbench.modeling.profiles import smooth_curve
+from oitbench.modeling.props.architecture import globe, lamp_post
+from oitbench.modeling.props.leaves import card_frames, leaf_mask, trefoil
 from oitbench.modeling.props.people import limb, man, woman
 from oitbench.parameters import Parameter
 from oitbench.scene import (
     RGB,
     Camera,
     EnvironmentLight,
+    Floats,
     Material,
     Medium,
     Mesh,
     Object,
     Scene,
     SpotLight,
-    Texture,
+    Vector,
     sample_density,
 )
 
-Floats = npt.NDArray[np.float64]
-
 quick = False
 parameters = {
-    "detail": Parameter(1.0, low=0.0, high=100.0, help="factor on the triangles of a surface"),
-    "seed": Parameter(1, low=0, help="seed of the windows that are lit, and of the leaves"),
-    "extinction": Parameter(0.09, low=0.0, high=1.0, help="of the thickest fog, per metre"),
-    "collimation": Parameter(0.0, low=0.0, high=1.0, help="of the fog; 1 for no blur"),
+    "detail": DETAIL,
+    "seed": Parameter(1, low=0, help="seed of the lit windows and of the leaves"),
+    "extinction": Parameter(
+        0.09, low=0.0, high=1.0, help="extinction coefficient at density 1, 1/m"
+    ),
+    "collimation": Parameter(0.0, low=0.0, high=1.0, help="collimation of the fog; 1 for no blur"),
 }
 
-# Metres. The street runs along -z between houses at x = ±HOUSES.
-HOUSES, PAVEMENT, NEAR, FAR = 6.0, 3.4, 6.0, -66.0
+# Meters. The street runs along −z between houses at x = ±HOUSES; the road is where |x| < ROAD.
+HOUSES, ROAD, NEAR, FAR = 6.0, 3.4, 6.0, -66.0
 CURB = 0.12
 LAMP_HEIGHT, ARM, LAMP_SPACING, LAMPS = 3.9, 0.9, 6.3, 9
 BULB = 0.13
-WOMAN: RGB = (-0.95, 0.0, -5.2)
-MAN: RGB = (0.9, 0.0, -11.0)
-TREE: RGB = (4.6, CURB, -10.4)
+WOMAN: Vector = (-0.95, 0.0, -5.2)
+MAN: Vector = (0.9, 0.0, -11.0)
+TREE: Vector = (4.6, CURB, -10.4)
+# Number of leaves, half the size of a leaf, and half axes of the crown.
 LEAVES, LEAF, CROWN = 900, 0.11, (1.35, 1.1, 1.35)
 CROWN_HEIGHT = 3.6
-MASK_SIDE = 64
-STOREY, WINDOW_PITCH = 2.9, 2.3
-LIT = 0.38  # part of the windows that are lit
+MASK_SIDE, MASK_EDGE = 64, 1.15  # texels, and the leaf's coordinate at their edge
+STORY, WINDOW_PITCH = 2.9, 2.3
+LIT = 0.38  # fraction of the windows that are lit
 
 NIGHT: RGB = (0.010, 0.015, 0.028)
 BULB_LIGHT = Material(emission=(14.0, 10.5, 6.0))
@@ -85,12 +99,15 @@ PLASTER: tuple[RGB, ...] = ((0.38, 0.24, 0.18), (0.34, 0.33, 0.31), (0.42, 0.36,
 
 @dataclass(frozen=True)
 class House:
-    """A house of a row: side of the street, −1 or 1, ends in z, storeys and paint."""
+    """A house on the left (side −1) or right (side 1) of the street, between two z in meters.
+
+    `paint` is the index of its color in `PLASTER`.
+    """
 
     side: int
     near: float
     far: float
-    storeys: int
+    stories: int
     paint: int
 
 
@@ -107,7 +124,7 @@ ROW = (
 
 
 def build(*, name: str, detail: float, seed: int, extinction: float, collimation: float) -> Scene:
-    """Return street, houses, lamps, tree and people in the fog."""
+    """Return the street with houses, lamps, a tree and two people, in the fog."""
     windows = np.random.default_rng([seed, 0])
     objects = (
         *_ground(detail),
@@ -117,7 +134,7 @@ def build(*, name: str, detail: float, seed: int, extinction: float, collimation
         Object("man", _placed(man(detail), MAN, 15), COAT),
         *_tree(np.random.default_rng([seed, 1]), detail),
     )
-    # The box ends inside houses and ground: no surface lies in its faces.
+    # The box ends inside the houses and the ground, so that no surface coincides with its faces.
     low, high = (-HOUSES - 0.5, -0.5, FAR - 0.5), (HOUSES + 0.5, 11.0, NEAR - 0.5)
     fog = Medium(
         extinction=extinction,
@@ -138,24 +155,25 @@ def build(*, name: str, detail: float, seed: int, extinction: float, collimation
 
 
 def _density(points: Floats) -> Floats:
-    """Return fog that thickens between 1 and 22 m from the camera and thins with height."""
+    """Return a density that rises between 1 and 22 m from the camera and falls with height."""
     x, y, z = np.moveaxis(points, -1, 0)
     away = np.clip((-z - 1.0) / 21.0, 0, 1)
     banks = 1 + 0.25 * np.sin(0.9 * x + 0.35 * z) * np.cos(0.23 * z + 1.0)
     return np.asarray((0.10 + 0.70 * away) * banks * (0.55 + 0.45 * np.exp(-y / 3.0)))
 
 
-def _placed(mesh: Mesh, place: RGB, degrees: float) -> Mesh:
+def _placed(mesh: Mesh, place: Vector, degrees: float) -> Mesh:
+    """Return `mesh` turned about the y axis and moved to `place`."""
     return transform(mesh, translation(place) @ rotation((0, 1, 0), math.radians(degrees)))
 
 
 def _ground(detail: float) -> tuple[Object, ...]:
-    """Return the roadway between two pavements."""
+    """Return the road between two sidewalks."""
     middle, half = (NEAR + FAR) / 2, (NEAR - FAR) / 2
-    road = grid((0, 0, middle), (PAVEMENT, 0, 0), (0, 0, -half), divisions(8, detail), 24)
+    road = grid((0, 0, middle), (ROAD, 0, 0), (0, 0, -half), divisions(8, detail), 24)
     walks = [
-        slab((-HOUSES, -0.05, FAR), (-PAVEMENT, CURB, NEAR)),
-        slab((PAVEMENT, -0.05, FAR), (HOUSES, CURB, NEAR)),
+        slab((-HOUSES, -0.05, FAR), (-ROAD, CURB, NEAR)),
+        slab((ROAD, -0.05, FAR), (HOUSES, CURB, NEAR)),
     ]
     return (
         Object("road", road, ASPHALT, casts=False),
@@ -164,26 +182,26 @@ def _ground(detail: float) -> tuple[Object, ...]:
 
 
 def _houses(random: np.random.Generator) -> tuple[Object, ...]:
-    """Return the houses, with windows that are lit at random."""
+    """Return the houses and their windows, of which a random choice is lit."""
     walls: dict[int, list[Mesh]] = {paint: [] for paint in range(len(PLASTER))}
-    places: dict[tuple[str, int], list[RGB]] = {}
+    places: dict[tuple[str, int], list[Vector]] = {}
     for house in ROW:
         inner, outer = HOUSES * house.side, (HOUSES + 4) * house.side
         low, high = min(inner, outer), max(inner, outer)
-        top = 0.8 + STOREY * house.storeys
+        top = 0.8 + STORY * house.stories
         walls[house.paint].append(slab((low, 0, house.far), (high, top, house.near)))
         count = int((house.near - house.far) / WINDOW_PITCH)
-        for index, storey in itertools.product(range(count), range(house.storeys)):
+        for index, story in itertools.product(range(count), range(house.stories)):
             z = house.near - (index + 0.5) * (house.near - house.far) / count
-            lit = "dark" if random.random() > LIT else str(random.choice(["warm", "warm", "cool"]))
-            places.setdefault((lit, house.side), []).append((inner, 1.9 + STOREY * storey, z))
+            kind = "dark" if random.random() > LIT else str(random.choice(["warm", "warm", "cool"]))
+            places.setdefault((kind, house.side), []).append((inner, 1.9 + STORY * story, z))
     objects = [
         Object(f"houses {paint}", merge(meshes), Material(albedo=PLASTER[paint]), casts=False)
         for paint, meshes in walls.items()
     ]
     for kind, material in (("warm", WARM), ("cool", COOL), ("dark", DARK)):
         panes = [
-            repeated(_pane(side), spots) for (what, side), spots in places.items() if what == kind
+            repeated(_pane(side), spots) for (found, side), spots in places.items() if found == kind
         ]
         if panes:
             objects.append(Object(f"{kind} windows", merge(panes), material, casts=False))
@@ -195,12 +213,12 @@ def _houses(random: np.random.Generator) -> tuple[Object, ...]:
 
 
 def _pane(side: int) -> Mesh:
-    """Return the glass of a window whose middle is the origin, on the wall of a side."""
+    """Return the pane of a window about the origin, on the wall of one side of the street."""
     return grid((-0.01 * side, 0, 0), (0, 0, 0.5 * side), (0, 0.8, 0))
 
 
 def _bars(side: int) -> Mesh:
-    """Return the sill of a window, and its upright and cross bars."""
+    """Return the sill and the bars of a window about the origin."""
     bar, ledge = sorted((0.0, -0.05 * side)), sorted((0.0, -0.16 * side))
     return merge(
         [
@@ -212,14 +230,14 @@ def _bars(side: int) -> Mesh:
 
 
 def _lamp_places() -> list[tuple[int, float]]:
-    """Return side and z of the lamps, left and right in turn."""
+    """Return the side and the z of each lamp; left and right alternate."""
     return [(1 if index % 2 else -1, -6.0 - LAMP_SPACING * index) for index in range(LAMPS)]
 
 
 def _lamps(detail: float) -> tuple[Object, ...]:
-    """Return the posts and, apart for their glow, the bulbs."""
+    """Return the posts, and the bulbs as an object of their own because they glow."""
     posts, bulbs = [], []
-    # Far lamps are small in the picture and get by with fewer triangles.
+    # Far lamps are small in the picture and need fewer triangles.
     for index, (side, z) in enumerate(_lamp_places()):
         fineness = detail / (1 + 0.5 * index)
         turn = 0 if side < 0 else 180
@@ -233,13 +251,13 @@ def _lamps(detail: float) -> tuple[Object, ...]:
     )
 
 
-def _bulb(side: int, z: float) -> RGB:
-    """Return the middle of a bulb, which hangs half out of its shade."""
+def _bulb(side: int, z: float) -> Vector:
+    """Return the center of a bulb; half of the bulb is below its shade."""
     return ((4.0 - ARM) * side, CURB + LAMP_HEIGHT, z)
 
 
 def _beams() -> tuple[SpotLight, ...]:
-    """Return the light of the first two lamps, from just below their bulbs."""
+    """Return spot lights just below the bulbs of the first two lamps."""
     lights = []
     for side, z in _lamp_places()[:2]:
         x, y, _ = _bulb(side, z)
@@ -256,7 +274,7 @@ def _beams() -> tuple[SpotLight, ...]:
 
 
 def _tree(random: np.random.Generator, detail: float) -> tuple[Object, ...]:
-    """Return a small street tree: trunk, boughs and a crown of leaf cards."""
+    """Return a small street tree: a trunk with boughs, and a crown of leaf cards."""
     trunk = smooth_curve([(0.13, 0), (0.09, 0.5), (0.07, 2.2), (0.05, 3.2)], 8)
     slices = divisions(12, detail, 6)
     wood = [transform(lathe(trunk, slices), translation(TREE))]
@@ -265,34 +283,14 @@ def _tree(random: np.random.Generator, detail: float) -> tuple[Object, ...]:
         x, z = TREE[0] + 0.8 * math.cos(angle), TREE[2] + 0.8 * math.sin(angle)
         y = TREE[1] + 3.3 + 0.5 * math.sin(3 * angle)
         wood.append(limb((TREE[0], TREE[1] + 2.3, TREE[2]), (x, y, z), 0.05, 0.015, detail))
-    count = max(8, round(LEAVES * detail))
-    outward = random.normal(size=(count, 3))
-    outward /= np.linalg.norm(outward, axis=1, keepdims=True)
+    count = copies(LEAVES, detail)
+    outward = random_directions(random, count)
     reach = 0.25 + 0.75 * random.random((count, 1)) ** 0.5
     centers = foot + [0, CROWN_HEIGHT, 0] + np.asarray(CROWN) * outward * reach
     tips = outward + 0.7 * random.normal(size=(count, 3))
-    tips /= np.linalg.norm(tips, axis=1, keepdims=True)
-    rights = np.cross(tips, random.normal(size=(count, 3)))
-    rights /= np.linalg.norm(rights, axis=1, keepdims=True)
-    # Fewer leaves are larger ones, so that the crown stays as dense.
-    size = LEAF * max(1.0, math.sqrt(LEAVES / count))
-    cards = scatter(
-        grid((0, 0, 0), (1, 0, 0), (0, 1, 0)), frames(centers, size * rights, size * tips)
-    )
-    leaves = Material(coverage=_leaf_mask(), albedo=LEAF_GREEN, binary_coverage=True)
+    size = LEAF * enlargement(LEAVES, count)  # fewer leaves are larger: the crown stays as dense
+    placements = card_frames(centers, tips, random.normal(size=(count, 3)), size, size)
+    cards = scatter(quad((0, 0, 0), (1, 0, 0), (0, 1, 0)), placements)
+    mask = leaf_mask(trefoil, MASK_SIDE, MASK_EDGE)
+    leaves = Material(coverage=mask, albedo=LEAF_GREEN, binary_coverage=True)
     return Object("tree", merge(wood), BARK), Object("leaves", cards, leaves)
-
-
-def _leaf_mask() -> Texture:
-    """Return the outline of three pointed leaves on a stalk, averaged from subsamples."""
-    side, blocks = 4 * MASK_SIDE, (MASK_SIDE, 4, MASK_SIDE, 4)
-    line = ((np.arange(side) + 0.5) / side * 2 - 1) * 1.15
-    x, y = np.meshgrid(line, line[::-1])
-    inside = np.zeros_like(x, dtype=bool)
-    for angle in (-1.0, 0.0, 1.0):
-        along = math.sin(angle) * x + math.cos(angle) * (y + 0.7)
-        across = math.cos(angle) * x - math.sin(angle) * (y + 0.7)
-        half = 0.36 * np.sin(np.clip(along / 1.5, 0, 1) * math.pi) ** 0.8
-        inside |= (np.abs(across) < half) & (along < 1.5) & (along > 0)
-    inside &= np.maximum(np.abs(x), np.abs(y)) <= 1.0
-    return Texture(inside.reshape(blocks).mean(axis=(1, 3)).astype(np.float32))

@@ -1,13 +1,24 @@
-"""Three potted plants before a sunlit wall, made of thousands of folded leaf cards.
+"""Three potted plants in front of a sunlit wall, made of thousands of folded leaf cards.
 
-Each leaf is a card with a binary mask as its coverage, anti-aliased only by filtering: opaque in
-its middle, partly covering along its outline, empty beyond. A plant is one object with its leaves
-in random order, five to twenty cards deep. No leaf transmits: light through leaves is baked in.
+Stands for figure 6 of McGuire & Mara 2017, "Phenomenological Transparency".
 
-Under light=sky nothing is baked: a sun throws shadows, the sky lights all the rest, and surfaces
-hide it from each other. A plant is then one object for each color of its leaves. Without ambient
-occlusion its inside looks flat; with it, but without `inferred_ao`, leaves have bright outlines.
-Figure 6 of McGuire & Mara 2017, "Phenomenological Transparency".
+Parameters
+----------
+detail : float
+    Factor on the number of leaves and triangles.
+light : str
+    "baked" for light baked into radiance, "sky" for a sun and a sky.
+seed : int
+    Seed of the leaves.
+
+The coverage of each leaf is a binary mask that only filtering makes smooth: opaque in the middle,
+partial along the outline, empty outside. Leaves transmit nothing. Under `light=baked` a plant is
+one object with its leaves in random order, five to twenty cards deep, and light through leaves is
+baked in.
+
+Under `light=sky` the sun casts shadows, the sky lights everything else, and surfaces hide the sky
+from each other. A plant is then one object for each color of its leaves. Without ambient occlusion
+the inside of a plant looks flat; with it, but without `inferred_ao`, leaves have bright outlines.
 """
 
 from __future__ import annotations
@@ -19,7 +30,6 @@ from dataclasses import replace
 import numpy as np
 
 from oitbench.modeling.baking import (
-    Floats,
     Rig,
     cone,
     diffuse,
@@ -28,36 +38,41 @@ from oitbench.modeling.baking import (
     tint,
     with_radiance,
 )
-from oitbench.modeling.mesh import (
-    divisions,
-    grid,
-    lathe,
-    merge,
-    quad,
-    scatter,
-    smooth_curve,
-    transform,
-    translation,
-)
+from oitbench.modeling.detail import DETAIL, divisions
+from oitbench.modeling.mesh import grid, lathe, quad
+from oitbench.modeling.placement import merge, scatter, transform, translation
+from oitbench.modeling.profiles import smooth_curve
 from oitbench.modeling.props.leaves import (
     Leaves,
     Plant,
     blossom,
     lance,
     leaf_card,
+    leaf_mask,
     lobed,
-    mask_of,
     ovate,
     place_leaves,
 )
-from oitbench.modeling.skies import gradient_sky
+from oitbench.modeling.surroundings import gradient_sky
 from oitbench.parameters import Parameter
-from oitbench.scene import RGB, WHITE, Camera, DirectionalLight, Material, Mesh, Object, Scene
+from oitbench.scene import (
+    RGB,
+    WHITE,
+    Camera,
+    DirectionalLight,
+    Floats,
+    Material,
+    Mesh,
+    Object,
+    Scene,
+    Vector,
+    opposite,
+)
 
 parameters = {
-    "detail": Parameter(1.0, low=0.0, high=100.0, help="factor on the number of leaves"),
+    "detail": DETAIL,
     "light": Parameter(
-        "baked", choices=("baked", "sky"), help="baked into radiance, or real sun and sky"
+        "baked", choices=("baked", "sky"), help="baked into radiance, or a sun and a sky"
     ),
     "seed": Parameter(1, low=0, help="seed of the leaves"),
 }
@@ -70,12 +85,12 @@ SUN = Rig(
 )
 SUN_SPREAD = math.radians(5)
 BACKGROUND: RGB = (0.60, 0.52, 0.42)
-# Irradiance of the sun under light=sky, the sky around it, and how far surfaces hide that, metres.
+# Under light=sky: irradiance of the sun, the sky, and the radius of ambient occlusion in meters.
 SUNLIGHT: RGB = (1.5, 1.3, 1.0)
 SKY = ((-90.0, (0.30, 0.25, 0.19)), (-5.0, (0.50, 0.46, 0.41)), (90.0, (0.95, 1.05, 1.20)))
 OCCLUSION = 0.3
 WALL = -0.55
-COURT = (7.0, 3.2)  # half the width of floor and wall, half the height of the wall, metres
+COURT = (7.0, 3.2)  # half the width of floor and wall, half the height of the wall, meters
 FLOOR, PLASTER, CLAY = (0.70, 0.62, 0.53), (0.88, 0.75, 0.58), (0.80, 0.40, 0.24)
 
 
@@ -83,7 +98,7 @@ LAUREL = Plant(
     "laurel",
     center=(-0.57, 0.82, -0.02),
     size=(0.40, 0.42, 0.40),
-    mask=ovate,
+    shape=ovate,
     leaf=(0.034, 0.060),
     count=1500,
     colors=((0.06, 0.22, 0.08), (0.13, 0.36, 0.10), (0.32, 0.52, 0.13)),
@@ -92,7 +107,7 @@ IVY = Plant(
     "ivy",
     center=(0.06, 0.47, 0.34),
     size=(0.38, 0.27, 0.34),
-    mask=lobed,
+    shape=lobed,
     leaf=(0.052, 0.052),
     count=900,
     colors=((0.05, 0.25, 0.17), (0.14, 0.43, 0.24), (0.48, 0.64, 0.30)),
@@ -102,7 +117,7 @@ OLEANDER = Plant(
     "oleander",
     center=(0.60, 1.02, -0.06),
     size=(0.36, 0.60, 0.36),
-    mask=lance,
+    shape=lance,
     leaf=(0.018, 0.092),
     count=1800,
     colors=((0.10, 0.25, 0.12), (0.22, 0.42, 0.18), (0.44, 0.56, 0.26)),
@@ -112,15 +127,15 @@ OLEANDER = Plant(
 BLOSSOMS = replace(
     OLEANDER,
     name="blossoms",
-    mask=blossom,
+    shape=blossom,
     leaf=(0.034, 0.034),
     count=150,
     colors=((0.82, 0.16, 0.36), (0.93, 0.36, 0.52), (0.96, 0.62, 0.70)),
     hollow=0.95,
 )
 PLANTS = (LAUREL, IVY, OLEANDER)
-# Foot and height of the pot of each plant, and its radius at the rim, in metres.
-POTS: dict[str, tuple[RGB, float, float]] = {
+# Foot, height and radius of the pot of each plant, meters.
+POTS: dict[str, tuple[Vector, float, float]] = {
     "laurel": ((-0.57, 0, -0.02), 0.46, 0.25),
     "ivy": ((0.06, 0, 0.34), 0.28, 0.24),
     "oleander": ((0.60, 0, -0.06), 0.46, 0.25),
@@ -128,11 +143,10 @@ POTS: dict[str, tuple[RGB, float, float]] = {
 
 
 def build(*, name: str, detail: float, light: str, seed: int) -> Scene:
-    """Return wall, floor, pots and plants."""
+    """Return the wall, the floor, the pots and the plants."""
     camera = Camera(position=(0.25, 1.15, 4.3), target=(0.03, 0.75, 0.0), fov_y=math.radians(27.5))
     if light == "sky":
-        x, y, z = SUN.toward_key
-        lights = (DirectionalLight((-x, -y, -z), SUNLIGHT), gradient_sky(SKY))
+        lights = (DirectionalLight(opposite(SUN.toward_key), SUNLIGHT), gradient_sky(SKY))
         lit = _lit(detail, seed)
         return Scene(name, camera, lit, lights=lights, ambient_occlusion=OCCLUSION)
     objects = [Object("courtyard", _courtyard(detail), Material(emission=WHITE))]
@@ -141,7 +155,7 @@ def build(*, name: str, detail: float, light: str, seed: int) -> Scene:
             Object(f"pot of {plant.name}", _shaded_pot(plant, detail), Material(emission=WHITE))
         )
     for plant, random in _streams(seed):
-        material = Material(coverage=mask_of(plant), emission=WHITE, binary_coverage=True)
+        material = Material(coverage=leaf_mask(plant.shape), emission=WHITE, binary_coverage=True)
         objects.append(
             Object(plant.name, _shaded_leaves(plant, place_leaves(plant, random, detail)), material)
         )
@@ -149,7 +163,7 @@ def build(*, name: str, detail: float, light: str, seed: int) -> Scene:
 
 
 def _lit(detail: float, seed: int) -> tuple[Object, ...]:
-    """Return all objects with what they reflect instead of what shines from them."""
+    """Return all objects with albedo instead of baked radiance."""
     wide, high = COURT
     floor = quad((0, 0, WALL + 2.2), (wide, 0, 0), (0, 0, -2.2))
     wall = quad((0, high, WALL), (wide, 0, 0), (0, high, 0))
@@ -160,7 +174,7 @@ def _lit(detail: float, seed: int) -> tuple[Object, ...]:
     for plant in PLANTS:
         objects.append(Object(f"pot of {plant.name}", _pot(plant, detail), Material(albedo=CLAY)))
     for plant, random in _streams(seed):
-        leaves, mask = place_leaves(plant, random, detail), mask_of(plant)
+        leaves, mask = place_leaves(plant, random, detail), leaf_mask(plant.shape)
         shades = np.round(leaves.shades * (len(plant.colors) - 1)).astype(int)
         for number, color in enumerate(plant.colors):
             chosen = leaves.placements[shades == number]
@@ -173,7 +187,7 @@ def _lit(detail: float, seed: int) -> tuple[Object, ...]:
 
 
 def _streams(seed: int) -> Iterator[tuple[Plant, np.random.Generator]]:
-    """Yield each plant with numbers of its own: none changes with how many leaves others have."""
+    """Yield each plant with a stream of its own: none depends on the number of leaves of others."""
     for stream, plant in enumerate((*PLANTS, BLOSSOMS)):
         yield plant, np.random.default_rng([seed, stream])
 
@@ -188,7 +202,7 @@ def _shaded_leaves(plant: Plant, leaves: Leaves) -> Mesh:
 
 
 def _leaf_shade(plant: Plant, normals: Floats, places: Floats) -> Floats:
-    """Return light on, through and from the gloss of leaves at `places` in the unit ball."""
+    """Return the light that leaves at `places` in the unit ball reflect and transmit."""
     toward = SUN.direction / np.asarray(plant.size)
     chord = sphere_chord(places, toward / np.linalg.norm(toward), (0, 0, 0), 1.05)
     lit = np.exp(-1.5 * np.maximum(chord - 0.15, 0))[:, None]
@@ -217,14 +231,14 @@ def _shaded_pot(plant: Plant, detail: float) -> Mesh:
 
 
 def _courtyard(detail: float) -> Mesh:
-    """Return floor and wall in one sheet, shaded by the plants and their pots."""
+    """Return the floor and the wall as one mesh, in the shadow of the plants and their pots."""
     columns, rows = divisions(140, detail, 24), divisions(120, detail, 20)
     wide, wall = COURT
     floor = grid((0, 0, WALL + 2.2), (wide, 0, 0), (0, 0, -2.2), columns, rows)
     back = grid((0, wall, WALL), (wide, 0, 0), (0, wall, 0), columns, rows)
     sheets = []
     for sheet, paint in ((floor, FLOOR), (back, PLASTER)):
-        # Columns and rows crowd where the plants stand.
+        # Columns and rows are denser where the plants stand.
         points = sheet.positions.astype(np.float64)
         points[:, 0] = wide * (0.22 * points[:, 0] / wide + 0.78 * (points[:, 0] / wide) ** 5)
         points[:, 1] *= 0.35 + 0.65 * (points[:, 1] / (2 * wall)) ** 2
@@ -240,7 +254,7 @@ def _courtyard(detail: float) -> Mesh:
 
 
 def _sunlight(points: Floats) -> Floats:
-    """Return the fraction of sunlight that passes the plants and pots, shape (n, 1)."""
+    """Return the fraction of sunlight that passes through the plants, shape (n, 1)."""
     total = np.zeros(len(points))
     directions = cone(SUN.direction, SUN_SPREAD, 12)
     for direction in directions:
@@ -255,7 +269,7 @@ def _sunlight(points: Floats) -> Floats:
 
 
 def _sky(points: Floats) -> Floats:
-    """Return the fraction of the sky seen past the pots, shape (n, 1)."""
+    """Return the fraction of the sky that the pots leave visible, shape (n, 1)."""
     seen = np.ones(len(points))
     for foot, height, radius in POTS.values():
         gap = np.hypot(points[:, 0] - foot[0], points[:, 2] - foot[2]) - 0.72 * radius

@@ -1,8 +1,27 @@
-"""Independent random fragment lists, one per pixel: no geometry, only compositing.
+"""Random fragment lists, one for each pixel: no geometry, compositing alone.
 
-Each pixel holds `layers` fragments in random order, so one picture of 256 × 256 pixels is 65,536
-random test cases. Distances are uniform in [0.5, 20] m. They differ by more than the step of a
-32-bit depth buffer, unless ties are asked for.
+Parameters
+----------
+detail : float
+    Factor on the number of lists.
+width, height : int
+    Lists per row and rows of lists at detail 1.
+layers : int
+    Fragments in each list.
+alpha_low, alpha_high : float
+    Least and greatest coverage, in [0, 1].
+tinted : bool
+    Random colored transmission instead of none.
+hdr : bool
+    Radiance distributed evenly in stops from 0.01 to 100 instead of evenly in [0, 1].
+ties : bool
+    About half of the distances equal another one exactly.
+seed : int
+    Seed of all random numbers.
+
+All lists are independent, with their fragments in random order, so that one picture of 256 × 256
+pixels is 65,536 random test cases. Distances are uniform in [0.5, 20] m. They differ by more than
+the step of a 32-bit depth buffer, unless `ties` is true.
 """
 
 from __future__ import annotations
@@ -14,8 +33,9 @@ from oitbench.errors import UsageError
 from oitbench.parameters import Parameter
 from oitbench.scene import Camera, FragmentLists, Scene
 
-NEAREST, FARTHEST = 0.5, 20.0
+NEAREST, FARTHEST = 0.5, 20.0  # meters
 LARGEST_GAP = 1e-3
+"""Least difference of two distances in short lists, meters."""
 BRIGHTEST_HDR = 100.0
 
 parameters = {
@@ -25,8 +45,8 @@ parameters = {
     "layers": Parameter(8, low=1, high=4096, help="fragments in each list"),
     "alpha_low": Parameter(0.05, low=0.0, high=1.0, help="least coverage"),
     "alpha_high": Parameter(0.95, low=0.0, high=1.0, help="greatest coverage"),
-    "tinted": Parameter(False, help="colored transmission in place of none"),
-    "hdr": Parameter(False, help="radiance spread evenly in stops from 0.01 to 100"),
+    "tinted": Parameter(False, help="random colored transmission instead of none"),
+    "hdr": Parameter(False, help="radiance distributed evenly in stops from 0.01 to 100"),
     "ties": Parameter(False, help="about half of the distances equal another one exactly"),
     "seed": Parameter(1, low=0, help="seed of all random numbers"),
 }
@@ -46,7 +66,7 @@ def build(
     ties: bool,
     seed: int,
 ) -> Scene:
-    """Return the lists; all values but the distances are independent and uniform."""
+    """Return the lists. All values except the distances are independent and uniform."""
     if alpha_low > alpha_high:
         raise UsageError(
             f"{name}: alpha_low is {alpha_low:g}; it must not exceed alpha_high = {alpha_high:g}"
@@ -73,12 +93,12 @@ def build(
 def _distinct_distances(
     random: np.random.Generator, shape: tuple[int, int, int]
 ) -> npt.NDArray[np.float32]:
-    """Return uniform distances under the condition that no two of a list are closer than a gap."""
+    """Return uniform distances, given that no two of one list are closer than a gap."""
     layers = shape[0]
     gap = min(LARGEST_GAP, 0.1 * (FARTHEST - NEAREST) / layers)
     z = random.random(shape, dtype=np.float32)
     z.sort(axis=0)
-    # Uniform in the range without its gaps; then each gap is put back in.
+    # First uniform in the range less all gaps; then the gaps are inserted.
     z *= np.float32(FARTHEST - NEAREST - gap * (layers - 1))
     z += (NEAREST + gap * np.arange(layers, dtype=np.float32))[:, None, None]
     random.permuted(z, axis=0, out=z)
@@ -88,6 +108,6 @@ def _distinct_distances(
 def _tied_distances(
     random: np.random.Generator, shape: tuple[int, int, int]
 ) -> npt.NDArray[np.float32]:
-    """Return distances on evenly spaced steps, fewer than there are fragments in a list."""
+    """Return distances on evenly spaced steps, which are fewer than the fragments of a list."""
     steps = np.linspace(NEAREST, FARTHEST, max(1, shape[0] // 2), dtype=np.float32)
     return np.asarray(steps[random.integers(len(steps), size=shape)])

@@ -1,10 +1,18 @@
-"""A frosted glass door at night: two people in the corridor behind it, lettering before it.
+"""A frosted glass door at night, two people in the corridor behind it and lettering in front.
 
-One pane spreads what passes it, and the farther behind it a thing is the more it blurs: the woman's
-hand almost touches the glass and stays sharp, the man two metres behind her and the window at the
-end of the corridor dissolve. Frame and lettering stand before the pane and do not blur at all. The
-arrangement is that of figures 1 (left) and 21a of McGuire & Mara 2017, "Phenomenological
-Transparency".
+Arranged as figures 1 (left) and 21a of McGuire & Mara 2017, "Phenomenological Transparency".
+
+Parameters
+----------
+detail : float
+    Factor on the number of triangles.
+collimation : float
+    Collimation of the pane, in [0, 1]; 1 for clear glass.
+
+One pane spreads the light that passes it. Objects blur more the farther they are behind it: the
+woman's hand almost touches the glass and stays sharp, while the man two meters behind it and the
+window at the end of the corridor dissolve. The frame and the lettering are in front of the pane and
+do not blur.
 """
 
 from __future__ import annotations
@@ -12,27 +20,42 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
-from oitbench.modeling.mesh import divisions, grid, merge, rotation, transform, translation
-from oitbench.modeling.props.architecture import lettering, repeated, slab
+from oitbench.modeling.detail import DETAIL, divisions
+from oitbench.modeling.mesh import grid, slab
+from oitbench.modeling.placement import merge, repeated, rotation, transform, translation
+from oitbench.modeling.props.lettering import lettering
 from oitbench.modeling.props.people import hand, limb, man, woman_without_arms
 from oitbench.parameters import Parameter
-from oitbench.scene import RGB, Camera, EnvironmentLight, Material, Mesh, Object, Scene, SpotLight
+from oitbench.scene import (
+    RGB,
+    Camera,
+    EnvironmentLight,
+    Material,
+    Mesh,
+    Object,
+    Scene,
+    SpotLight,
+    Vector,
+)
 
 quick = False
 parameters = {
-    "detail": Parameter(1.0, low=0.0, high=100.0, help="factor on the triangles of a surface"),
-    "collimation": Parameter(0.85, low=0.0, high=1.0, help="of the pane; 1 for clear glass"),
+    "detail": DETAIL,
+    "collimation": Parameter(
+        0.85, low=0.0, high=1.0, help="collimation of the pane; 1 for clear glass"
+    ),
 }
 
-# The pane lies in the plane z = 0, the corridor behind it reaches to z = -DEPTH; metres.
 PANE: tuple[float, float, float, float] = (-0.80, 0.62, 0.80, 2.14)
+"""Left, lower, right and upper edge of the pane in the plane z = 0, meters."""
+# Meters. The corridor behind the pane reaches to z = −DEPTH.
 DEPTH, HALF_WIDTH, HEIGHT = 5.5, 1.5, 2.75
 RAIL = 0.11
 LETTER_GAP = 0.012
-WOMAN: RGB = (0.34, 0.0, -0.40)
-MAN: RGB = (-0.62, 0.0, -2.4)
-PALM: RGB = (0.01, 1.40, -0.045)
-WINDOW: RGB = (-0.15, 1.34, -DEPTH + 0.01)
+WOMAN: Vector = (0.34, 0.0, -0.40)
+MAN: Vector = (-0.62, 0.0, -2.4)
+PALM: Vector = (0.01, 1.40, -0.045)
+WINDOW: Vector = (-0.15, 1.34, -DEPTH + 0.01)
 WINDOW_SIZE = (0.62, 0.47)
 BLINDS = 6
 DUSK: RGB = (0.006, 0.008, 0.012)
@@ -63,7 +86,7 @@ DESK_LAMP = SpotLight(
 
 
 def build(*, name: str, detail: float, collimation: float) -> Scene:
-    """Return the corridor, the people, the pane and what is before it."""
+    """Return the corridor with the people, and the office in front of the door."""
     left, low, right, high = PANE
     middle = ((left + right) / 2, (low + high) / 2)
     pane = grid((*middle, 0), ((right - left) / 2, 0, 0), (0, (high - low) / 2, 0))
@@ -85,7 +108,7 @@ def build(*, name: str, detail: float, collimation: float) -> Scene:
 
 
 def _corridor(detail: float) -> tuple[Object, ...]:
-    """Return floor, walls with dark panels, and at the end a lit window behind blinds."""
+    """Return the floor, walls with dark panels, and a lit window with blinds at the end."""
     cells = divisions(12, detail)
     middle, half = -DEPTH / 2, DEPTH / 2
     floor = grid((0, 0, middle), (HALF_WIDTH, 0, 0), (0, 0, -half), cells, cells)
@@ -127,7 +150,7 @@ def _corridor(detail: float) -> tuple[Object, ...]:
 
 
 def _woman(detail: float) -> Mesh:
-    """Return the woman, turned aside, with her right hand against the glass."""
+    """Return the woman, turned sideways, with a hand close to the glass."""
     body = transform(
         woman_without_arms(detail), translation(WOMAN) @ rotation((0, 1, 0), math.radians(-25))
     )
@@ -147,7 +170,7 @@ def _woman(detail: float) -> Mesh:
 
 
 def _office_wall(detail: float) -> Mesh:
-    """Return the wall round the door, on the camera's side."""
+    """Return the wall around the door, on the camera's side."""
     left, low, right, high = PANE
     edge = (left - RAIL, low - RAIL, right + RAIL, high + RAIL)
     wide, tall, cells = 2.6, 3.2, divisions(6, detail)
@@ -162,7 +185,7 @@ def _office_wall(detail: float) -> Mesh:
 
 
 def _frame() -> Mesh:
-    """Return stiles and rails round the pane, a glazing bar before it and a handle."""
+    """Return the frame around the pane, a bar across it and a handle."""
     left, low, right, high = PANE
     bar = low + 0.26 * (high - low)
     return merge(
@@ -178,7 +201,7 @@ def _frame() -> Mesh:
 
 
 def _sign() -> Mesh:
-    """Return two lines of lettering just before the pane."""
+    """Return two lines of lettering just in front of the pane."""
     return merge(
         [
             lettering("PRIVATE", (-0.02, 1.95, LETTER_GAP), 0.17, 0.03),

@@ -1,32 +1,44 @@
-"""Five teapots behind five panes of glass that scatter more and more from left to right.
+"""Five teapots behind five panes of glass that blur more and more from left to right.
 
-The panes are thin sheets of falling collimation, so the teapots, all alike and all as far behind
-their pane, go from sharp to blurred. A checkered box is pressed against the back of each pane and
-stays sharp, since light spreads only over the way between glass and background; the tiles of the
-floor and the stripes of the wall show the blur growing with that way. The arrangement is that of
-figure 8 of McGuire & Mara 2017, "Phenomenological Transparency".
+Arranged as figure 8 of McGuire & Mara 2017, "Phenomenological Transparency".
+
+Parameters
+----------
+detail : float
+    Factor on the number of triangles.
+distance : float
+    Distance from each pane back to the axis of its teapot, meters.
+
+The panes are thin sheets whose collimation falls from left to right. All teapots are alike and
+equally far behind their panes, and go from sharp to blurred. A checkered box touches the back of
+each pane and stays sharp, since light spreads only over the distance between the glass and the
+background. The tiles of the floor and the stripes of the wall show that the blur grows with that
+distance.
 """
 
 from __future__ import annotations
 
 import math
 
-from oitbench.modeling.mesh import box, divisions, grid, rotation, transform, translation
-from oitbench.modeling.patterns import checkered_box, checkers, room
+from oitbench.modeling.detail import DETAIL, divisions
+from oitbench.modeling.mesh import box, grid
+from oitbench.modeling.patterns import checkered_box, checkers
+from oitbench.modeling.placement import rotation, transform, translation
 from oitbench.modeling.props.teapot import teapot
+from oitbench.modeling.surroundings import room
 from oitbench.parameters import Parameter
-from oitbench.scene import RGB, Camera, DirectionalLight, EnvironmentLight, Material, Object, Scene
+from oitbench.scene import RGB, Camera, DirectionalLight, Material, Object, Scene
 
 COLLIMATIONS = (1.0, 0.9, 0.75, 0.5, 0.25)
 PITCH, WIDTH, HEIGHT = 0.72, 0.64, 1.45
 TEAPOT_HEIGHT, TEAPOT_TURN = 0.33, math.radians(-22)
 BOX, RAIL = 0.2, 0.03
-"""Edges of the boxes and of the rail's cross section, metres."""
+"""Edge lengths of the boxes and of the cross section of the rail, meters."""
 SQUARES = 4
 GAP = 0.001
-"""Metres between surfaces that touch: coincident ones have no right picture."""
+"""Meters between surfaces that seem to touch: coincident ones have no right picture."""
 TILE, WALL = 0.24, -1.44
-"""Edge of a tile of the floor, and where the back wall stands, metres."""
+"""Edge length of a tile of the floor, and z of the back wall, meters."""
 GLASS: RGB = (0.92, 0.92, 0.92)
 
 CLAY = Material(albedo=(0.62, 0.20, 0.09), specular=0.05, roughness=0.35)
@@ -39,19 +51,19 @@ BLUE_PAPER = Material(albedo=(0.30, 0.43, 0.52), specular=0.0)
 STEEL = Material(albedo=(0.10, 0.10, 0.11), specular=0.3, roughness=0.5)
 
 parameters = {
-    "detail": Parameter(1.0, low=0.0, high=100.0, help="factor on the triangles of a surface"),
+    "detail": DETAIL,
     "distance": Parameter(
-        0.45, low=0.4, high=1.5, help="metres from each pane back to the axis of its teapot"
+        0.45, low=0.4, high=1.5, help="meters from each pane back to the axis of its teapot"
     ),
 }
 
 
 def build(*, name: str, detail: float, distance: float) -> Scene:
-    """Return the row; the floor and the wall throw no shadow, all else does.
+    """Return the row of panes and teapots. Floor and wall cast no shadow, all other objects do.
 
     The surroundings are dim, because floor and wall hide half of them from each other.
     """
-    objects = _surroundings()
+    objects = _stage()
     pot = transform(teapot(TEAPOT_HEIGHT, detail), rotation((0, 1, 0), TEAPOT_TURN))
     cells = (divisions(8, detail, 2), divisions(16, detail, 2))
     for number, collimation in enumerate(COLLIMATIONS):
@@ -71,13 +83,13 @@ def build(*, name: str, detail: float, distance: float) -> Scene:
         objects=tuple(objects),
         lights=(
             DirectionalLight(direction=(0.6, -0.85, -0.8), irradiance=(2.9, 2.8, 2.6)),
-            EnvironmentLight(room((0.24, 0.26, 0.30), (0.18, 0.19, 0.21), (0.10, 0.10, 0.10), ())),
+            room((0.24, 0.26, 0.30), (0.18, 0.19, 0.21), (0.10, 0.10, 0.10)),
         ),
     )
 
 
-def _surroundings() -> list[Object]:
-    """Return the tiled floor, the striped wall behind, and the rail from which the panes hang."""
+def _stage() -> list[Object]:
+    """Return the tiled floor, the striped wall, and the rail from which the panes hang."""
     columns, rows = 40, 20
     across, middle = (columns * TILE / 2, 0.0, 0.0), WALL + rows * TILE / 2
     pale, grey = checkers((0, 0, middle), across, (0, 0, -rows * TILE / 2), columns, rows)

@@ -1,9 +1,17 @@
-"""Two crossed grids of colored glass bars before patterned paper, one bar deep each.
+"""Two crossed grids of colored glass bars in front of checkered paper.
 
-Every bar is an object and a thin sheet: it covers fully, transmits one saturated color and
-reflects almost nothing. Bars of one grid never overlap, and all of one grid lie nearer than all
-of the other, so sorting by object is exact: a method without colored transmission has no excuse.
-The arrangement is that of figure 7 of McGuire & Mara 2017, "Phenomenological Transparency".
+Arranged as figure 7 of McGuire & Mara 2017, "Phenomenological Transparency".
+
+Parameters
+----------
+detail : float
+    Factor on the number of triangles.
+reflection : float
+    Largest radiance that a bar adds.
+
+Each bar is an object and a thin sheet that covers fully, transmits one saturated color and reflects
+almost nothing. Bars of one grid never overlap, and all bars of one grid are nearer than all of the
+other. Sorting by object is therefore exact, and only colored transmission is tested.
 """
 
 from __future__ import annotations
@@ -12,12 +20,14 @@ import math
 
 import numpy as np
 
-from oitbench.modeling.baking import Floats, with_radiance
-from oitbench.modeling.mesh import divisions, frames, grid, scatter
+from oitbench.modeling.baking import with_radiance
+from oitbench.modeling.detail import DETAIL, divisions
+from oitbench.modeling.mesh import grid
+from oitbench.modeling.placement import frames, scatter
 from oitbench.parameters import Parameter
-from oitbench.scene import RGB, WHITE, Camera, Material, Mesh, Object, Scene
+from oitbench.scene import RGB, WHITE, Camera, Floats, Material, Mesh, Object, Scene
 
-# Transmission of one bar. No channel is black, so that crossings of opposite colors stay legible.
+# Transmission of one bar. No channel is zero, so that crossings of opposite colors are not black.
 GLASS: dict[str, RGB] = {
     "red": (0.90, 0.07, 0.07),
     "amber": (0.95, 0.52, 0.05),
@@ -27,17 +37,17 @@ GLASS: dict[str, RGB] = {
     "blue": (0.08, 0.16, 0.90),
     "magenta": (0.86, 0.10, 0.72),
 }
-PITCH, WIDTH, LENGTH = 0.36, 0.24, 2.8
-FRONT, BACK, PAPER = 0.35, -0.35, -1.1
+PITCH, WIDTH, LENGTH = 0.36, 0.24, 2.8  # of the bars, meters
+FRONT, BACK, PAPER = 0.35, -0.35, -1.1  # z of both grids and of the paper, meters
 
 parameters = {
-    "detail": Parameter(1.0, low=0.0, high=100.0, help="factor on the triangles of a surface"),
-    "reflection": Parameter(0.05, low=0.0, high=1.0, help="radiance that a bar adds, at most"),
+    "detail": DETAIL,
+    "reflection": Parameter(0.05, low=0.0, high=1.0, help="largest radiance that a bar adds"),
 }
 
 
 def build(*, name: str, detail: float, reflection: float) -> Scene:
-    """Return the two grids; upright bars in front, level bars behind."""
+    """Return the paper and the two grids: upright bars in front, level bars behind."""
     offsets = PITCH * (np.arange(len(GLASS)) - (len(GLASS) - 1) / 2)
     cells = (divisions(8, detail, 2), divisions(24, detail, 2))
     bars = []
@@ -47,7 +57,7 @@ def build(*, name: str, detail: float, reflection: float) -> Scene:
             transmission=transmission,
             emission=(reflection, reflection, reflection),
         )
-        # The rows take every second offset, so neighbors contrast in both grids.
+        # The rows take every second offset, so that neighbors contrast in both grids.
         row = float(offsets[(2 * number + 1) % len(GLASS)])
         upright = grid(
             (float(offsets[number]), 0, FRONT), (WIDTH / 2, 0, 0), (0, LENGTH / 2, 0), *cells
@@ -61,7 +71,7 @@ def build(*, name: str, detail: float, reflection: float) -> Scene:
 
 
 def _streaked(bar: Mesh) -> Mesh:
-    """Return `bar` with the reflection of a window: brightest along a line left of its middle."""
+    """Return `bar` with the reflection of a window, brightest along a line left of its middle."""
     assert bar.uvs is not None
     across, along = bar.uvs[:, 0].astype(np.float64), bar.uvs[:, 1].astype(np.float64)
     streak = np.exp(-(((across - 0.3) / 0.13) ** 2)) * (0.55 + 0.45 * np.sin(5 * along + 0.6))
@@ -70,7 +80,7 @@ def _streaked(bar: Mesh) -> Mesh:
 
 
 def _paper(detail: float) -> Mesh:
-    """Return a checkered sheet that over-fills the view, lit softly from the upper left."""
+    """Return a checkered sheet beyond the edges of the view, lit softly from the upper left."""
     cells = divisions(3, detail)
     columns, rows, side = 56, 24, 0.22
     column, row = (axis.ravel() for axis in np.meshgrid(np.arange(columns), np.arange(rows)))
@@ -92,5 +102,6 @@ def _paper(detail: float) -> Mesh:
 
 
 def _lamp(positions: Floats) -> Floats:
+    """Return a factor on radiance that falls with the distance from the lamp, shape (n, 1)."""
     distance = np.hypot(positions[:, 0] + 0.5, positions[:, 1] - 0.6)
     return (0.62 + 0.38 / (1 + (distance / 2.2) ** 2))[:, None]

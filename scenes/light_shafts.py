@@ -1,10 +1,18 @@
-"""A hall with tall windows: the low sun throws shafts of light through fog, one of them colored.
+"""A hall with tall windows, through which the low sun casts shafts of light into fog.
 
-The fog is a grid of densities, thicker near the floor and in slow waves, and scatters forward,
-towards the camera. Piers between the windows and the bars in them cut the light into shafts, one
-window of colored glass tints its shaft and the patch that it throws, and a statue on a pedestal
-stands half in the light and shades the fog behind it. The arrangement is that of figure 14 of
-McGuire & Mara 2017, "Phenomenological Transparency".
+Arranged as figure 14 of McGuire & Mara 2017, "Phenomenological Transparency".
+
+Parameters
+----------
+detail : float
+    Factor on the number of triangles.
+extinction : float
+    Extinction coefficient of the fog where its density is one, m⁻¹.
+
+The density of the fog is a grid of values, higher near the floor and in slow waves. The fog
+scatters forward, towards the camera. Piers and window bars cut the light into shafts. Stained glass
+in one window colors its shaft and its patch of light on the floor. A statue on a pedestal stands
+half in the light and shadows the fog behind it.
 """
 
 from __future__ import annotations
@@ -12,10 +20,11 @@ from __future__ import annotations
 import math
 
 import numpy as np
-import numpy.typing as npt
 
-from oitbench.modeling.mesh import divisions, grid, merge, rotation, transform, translation
-from oitbench.modeling.props.architecture import column, repeated, slab, window_wall
+from oitbench.modeling.detail import DETAIL, divisions
+from oitbench.modeling.mesh import grid, slab
+from oitbench.modeling.placement import merge, repeated, rotation, transform, translation
+from oitbench.modeling.props.architecture import column, window_wall
 from oitbench.modeling.props.people import woman
 from oitbench.parameters import Parameter
 from oitbench.scene import (
@@ -23,23 +32,25 @@ from oitbench.scene import (
     Camera,
     DirectionalLight,
     EnvironmentLight,
+    Floats,
     Material,
     Medium,
     Mesh,
     Object,
     Scene,
+    Vector,
     sample_density,
 )
 
-Floats = npt.NDArray[np.float64]
-
 quick = False
 parameters = {
-    "detail": Parameter(1.0, low=0.0, high=100.0, help="factor on the triangles of a surface"),
-    "extinction": Parameter(0.15, low=0.0, high=10.0, help="of the thickest fog, per metre"),
+    "detail": DETAIL,
+    "extinction": Parameter(
+        0.15, low=0.0, high=10.0, help="extinction coefficient at density 1, 1/m"
+    ),
 }
 
-# Metres. The hall reaches from z = NEAR to FAR; its windows are in the walls at x = HALF and FAR.
+# Meters. The hall reaches from z = NEAR to FAR. Its windows are at x = HALF and at z = FAR.
 HALF, HEIGHT, NEAR, BAY, BAYS = 4.0, 6.2, 3.0, 3.0, 5
 FAR = NEAR - BAY * BAYS
 WALL = 0.5
@@ -47,6 +58,7 @@ OPENING, SILL, SPRING = 1.3, 1.1, 4.3
 END_WINDOWS = (-HALF / 2, HALF / 2)
 BAR = 0.05
 STAINED_BAY = 2
+# Transmission, and height of the lower and of the upper edge.
 PANES: dict[str, tuple[RGB, float, float]] = {
     "blue glass": ((0.02, 0.14, 0.92), 1.1, 2.35),
     "gold glass": ((0.95, 0.52, 0.02), 2.35, 3.6),
@@ -54,9 +66,9 @@ PANES: dict[str, tuple[RGB, float, float]] = {
 }
 SUN = DirectionalLight(direction=(-0.68, -0.46, 0.55), irradiance=(20.0, 17.4, 13.5))
 SKY: RGB = (0.018, 0.022, 0.030)
-STATUE: RGB = (0.6, 0.0, -4.8)
+STATUE: Vector = (0.6, 0.0, -4.8)
 PEDESTAL = 0.6
-COLUMNS = ((-2.6, -4.5), (-2.6, -7.5), (-2.6, -10.5))
+COLUMNS = ((-2.6, -4.5), (-2.6, -7.5), (-2.6, -10.5))  # x and z
 
 STONE = Material(albedo=(0.48, 0.45, 0.40))
 PAVING = Material(albedo=(0.36, 0.33, 0.30))
@@ -65,8 +77,8 @@ LEAD = Material(albedo=(0.05, 0.05, 0.06))
 
 
 def build(*, name: str, detail: float, extinction: float) -> Scene:
-    """Return hall, statue, stained glass and fog."""
-    # The box ends inside the walls: no surface lies in its faces.
+    """Return the hall with its furniture and stained glass, in the fog."""
+    # The box ends inside the walls, so that no surface coincides with its faces.
     low, high = (-HALF - 0.1, -0.1, FAR - 0.1), (HALF + 0.1, HEIGHT + 0.1, NEAR + 0.1)
     fog = Medium(
         extinction=extinction,
@@ -87,14 +99,14 @@ def build(*, name: str, detail: float, extinction: float) -> Scene:
 
 
 def _density(points: Floats) -> Floats:
-    """Return fog that thins with height and drifts in slow waves."""
+    """Return a density that falls with height and varies in slow waves."""
     x, y, z = np.moveaxis(points, -1, 0)
     waves = np.sin(0.8 * x + 0.5 * z) * np.cos(0.6 * z - 0.4 * x + 0.9 * y)
     return np.asarray((0.35 + 0.45 * np.exp(-np.maximum(y, 0) / 1.6)) * (1 + 0.25 * waves))
 
 
 def _hall(detail: float) -> tuple[Object, ...]:
-    """Return floor, walls and roof; the walls and the roof that the sun meets cast shadows."""
+    """Return the floor, the walls and the roof, of which those that block the sun cast shadows."""
     middle, half = (NEAR + FAR) / 2, (NEAR - FAR) / 2
     cells = divisions(12, detail)
     floor = grid((0, 0, middle), (HALF, 0, 0), (0, 0, -half), cells, cells)
@@ -102,9 +114,9 @@ def _hall(detail: float) -> tuple[Object, ...]:
     segments = divisions(24, detail, 6)
     bay = window_wall(BAY, HEIGHT, WALL, OPENING, SILL, SPRING, segments)
     turned = transform(bay, rotation((0, 1, 0), -math.pi / 2))
-    places: list[RGB] = [(HALF + WALL / 2, 0, z) for z in _bays()]
+    places: list[Vector] = [(HALF + WALL / 2, 0, z) for z in _bays()]
     end = window_wall(HALF, HEIGHT, WALL, OPENING, SILL, SPRING, segments)
-    ends: list[RGB] = [(x, 0, FAR - WALL / 2) for x in END_WINDOWS]
+    ends: list[Vector] = [(x, 0, FAR - WALL / 2) for x in END_WINDOWS]
     corner = slab((HALF, 0, FAR - WALL), (HALF + WALL, HEIGHT, FAR))
     roof = slab((-HALF, HEIGHT, FAR - WALL), (HALF + WALL, HEIGHT + 0.3, NEAR + WALL))
     return (
@@ -118,12 +130,12 @@ def _hall(detail: float) -> tuple[Object, ...]:
 
 
 def _bays() -> list[float]:
-    """Return z of the middles of the windows, from the far end."""
+    """Return the z of the middle of each side window, from the far end."""
     return [FAR + BAY * (index + 0.5) for index in range(BAYS)]
 
 
 def _bars() -> Mesh:
-    """Return an upright in each window, and three cross bars in those at the side."""
+    """Return an upright bar in each window, and three cross bars in each side window."""
     x, top = HALF + WALL / 2, SPRING + OPENING / 2
     parts = []
     for z in _bays():
@@ -138,7 +150,7 @@ def _bars() -> Mesh:
 
 
 def _furniture(detail: float) -> tuple[Object, ...]:
-    """Return a row of columns before the blind wall and a statue on a pedestal."""
+    """Return a row of columns in front of the blind wall, and a statue on a pedestal."""
     stand = [(x, 0.0, z) for x, z in COLUMNS]
     x, y, z = STATUE
     turn = rotation((0, 1, 0), math.radians(35))
@@ -157,7 +169,7 @@ def _furniture(detail: float) -> tuple[Object, ...]:
 
 
 def _stained_glass() -> tuple[Object, ...]:
-    """Return thin panes of three colors, one above another, in one window."""
+    """Return thin panes of three colors, one above the other, in one window."""
     x, z = HALF + WALL / 2 + 0.01, _bays()[STAINED_BAY]
     return tuple(
         Object(

@@ -1,10 +1,22 @@
-"""A cloud of particles and a tinted glass ball over a light floor: three kinds of shadow.
+"""A cloud of particles and a tinted glass ball above a light floor, with three kinds of shadow.
 
-Under `-translucent_shadows,-colored_shadows,-caustics` whatever keeps back half of the light hides
-all of it: both throw black shadows. Under `-caustics` the cloud's shadow is as deep as the cloud is
-thick, and the ball's is a disc of colored light. Under all effects called for, the ball gathers
-light in the middle of its shadow. The cloud shades itself, so that its lower part is darker.
-Figure 9 of McGuire & Mara 2017, "Phenomenological Transparency".
+Stands for figure 9 of McGuire & Mara 2017, "Phenomenological Transparency".
+
+Parameters
+----------
+detail : float
+    Factor on the number of particles and triangles. The optical thickness stays the same.
+alpha : float
+    Coverage at the middle of a particle at detail 1, in [0, 1].
+seed : int
+    Seed of the particles.
+
+The option `--effects` chooses the kind of shadow. Under
+`-translucent_shadows,-colored_shadows,-caustics`, a surface that blocks at least half of the light
+blocks all of it: cloud and ball cast black shadows. Under `-caustics`, the shadow of the cloud
+depends on its thickness, and that of the ball is a disc of colored light. Under all requested
+effects, the ball focuses light in the middle of its shadow. The cloud shadows itself, so that its
+lower part is darker.
 """
 
 from __future__ import annotations
@@ -13,45 +25,52 @@ import math
 
 import numpy as np
 
-from oitbench.modeling.mesh import divisions, quad, sphere
-from oitbench.modeling.particles import fill, puff, shared_coverage, sprites
-from oitbench.modeling.skies import gradient_sky
+from oitbench.modeling.detail import PARTICLE_DETAIL, copies, divisions
+from oitbench.modeling.mesh import quad, sphere
+from oitbench.modeling.particles import fill, smoke, sprites
+from oitbench.modeling.surroundings import gradient_sky
 from oitbench.parameters import Parameter
-from oitbench.scene import RGB, Camera, DirectionalLight, Material, Mesh, Object, Scene
+from oitbench.scene import (
+    RGB,
+    Camera,
+    DirectionalLight,
+    Material,
+    Mesh,
+    Object,
+    Scene,
+    Vector,
+    opposite,
+)
 
 quick = False
 parameters = {
-    "detail": Parameter(
-        1.0, low=0.0, high=100.0, help="factor on particles and triangles; thickness stays the same"
+    "detail": PARTICLE_DETAIL,
+    "alpha": Parameter(
+        0.7, low=0.0, high=1.0, help="coverage at the middle of a particle at detail 1"
     ),
-    "alpha": Parameter(0.7, low=0.0, high=1.0, help="coverage at a particle's middle at detail 1"),
     "seed": Parameter(1, low=0, help="seed of the particles"),
 }
 
 PARTICLES = 110
-# Four lobes of the cloud, metres.
-LOBES: tuple[RGB, ...] = (
+# Centers of the cloud's lobes, meters.
+LOBES: tuple[Vector, ...] = (
     (-1.30, 1.15, 0.02), (-0.95, 1.28, -0.06), (-0.62, 1.17, 0.04), (-0.92, 1.08, 0.08),
 )  # fmt: skip
 LOBE_RADII = (0.34, 0.42, 0.34, 0.40)
 PARTICLE_RADII = (0.14, 0.24)
-BALL: RGB = (0.95, 1.02, 0.0)
+BALL: Vector = (0.95, 1.02, 0.0)
 RADIUS = 0.52
 GLASS: RGB = (0.34, 0.48, 0.60)  # transmission of one wall of the ball
-SUNWARD: RGB = (-0.22, 1.0, -0.32)
+SUNWARD: Vector = (-0.22, 1.0, -0.32)
 SUN: RGB = (3.4, 3.3, 3.1)  # irradiance
 SURROUNDINGS = ((-90.0, (0.10, 0.10, 0.10)), (0.0, (0.16, 0.17, 0.18)), (90.0, (0.10, 0.13, 0.18)))
 
 
 def build(*, name: str, detail: float, alpha: float, seed: int) -> Scene:
-    """Return floor, cloud and ball."""
+    """Return the floor, the cloud and the ball."""
     camera = Camera(position=(0.0, 2.75, 4.75), target=(0.03, 0.66, 0.1), fov_y=math.radians(34))
-    count = max(8, round(PARTICLES * detail))
-    vapor = Material(
-        coverage=puff(shared_coverage(alpha, PARTICLES, count)),
-        albedo=(0.96, 0.96, 0.96),
-        isotropic=True,
-    )
+    count = copies(PARTICLES, detail)
+    vapor = smoke(alpha, 0.96, PARTICLES, count)
     glass = Material(transmission=GLASS, index=1.5, roughness=0.0, solid=True)
     slices = divisions(96, detail, 12)
     objects = (
@@ -64,15 +83,11 @@ def build(*, name: str, detail: float, alpha: float, seed: int) -> Scene:
         Object("cloud", _cloud(np.random.default_rng(seed), count, camera), vapor, particles=True),
         Object("ball", sphere(BALL, RADIUS, slices, slices // 2), glass),
     )
-    sun = DirectionalLight(_reversed(SUNWARD), SUN)
+    sun = DirectionalLight(opposite(SUNWARD), SUN)
     return Scene(name, camera, objects, lights=(sun, gradient_sky(SURROUNDINGS)))
 
 
 def _cloud(random: np.random.Generator, count: int, camera: Camera) -> Mesh:
+    """Return the particles of the cloud."""
     centers = fill(random, count, LOBES, LOBE_RADII, stretch=(1.0, 0.75, 1.0))
     return sprites(random, centers, random.uniform(*PARTICLE_RADII, count), camera, SUNWARD)
-
-
-def _reversed(direction: RGB) -> RGB:
-    x, y, z = direction
-    return (-x, -y, -z)

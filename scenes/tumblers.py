@@ -1,10 +1,16 @@
-"""Drinking glasses on a checkered cloth: refraction in layers, and colored shadows with caustics.
+"""Drinking glasses on a checkered cloth, with colored shadows and caustics.
 
-Each glass is one closed solid, a drink in it another that keeps a hair's breadth away from it, so a
-ray meets up to six surfaces that bend it. A spot light behind the glasses throws their colored
-shadows towards the viewer. The subject is that of figure 1 (center) of McGuire & Mara 2017,
-"Phenomenological Transparency". Everything is ten times as large as in life, so that its depths
-spread as those of a room do.
+Subject of figure 1 (center) of McGuire & Mara 2017, "Phenomenological Transparency".
+
+Parameters
+----------
+detail : float
+    Factor on the number of triangles.
+
+Each glass is one closed solid, and a drink in it is another with a thin gap of air between them, so
+that a ray crosses up to six refracting surfaces. A spot light behind the glasses casts their
+colored shadows towards the viewer. Everything is ten times as large as in reality, so that the
+depths spread as those of a room do.
 """
 
 from __future__ import annotations
@@ -12,10 +18,11 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from oitbench.modeling.mesh import merge, rotation, transform, translation
-from oitbench.modeling.patterns import Window, checkers, room
+from oitbench.modeling.detail import DETAIL
+from oitbench.modeling.patterns import checkers
+from oitbench.modeling.placement import merge, rotation, transform, translation
 from oitbench.modeling.props.glassware import Vessel, ice_cube, tumbler, wine_glass
-from oitbench.parameters import Parameter
+from oitbench.modeling.surroundings import Window, room
 from oitbench.scene import (
     RGB,
     Camera,
@@ -25,16 +32,16 @@ from oitbench.scene import (
     Object,
     Scene,
     SpotLight,
-    Texture,
 )
 
 FOOT_GAP = 0.005
-"""Metres between the cloth and what stands on it: coincident surfaces have no right picture."""
+"""Meters between the cloth and the objects on it: coincident surfaces have no right picture."""
 DRINK_GAP = 0.005
-"""Metres of air between a drink and its glass."""
+"""Air between a drink and its glass, meters."""
 SQUARE, COLUMNS, ROWS = 0.5, 28, 24
+"""Edge length in meters and numbers of the squares of the cloth."""
 
-# Transmission is that of one surface, and light crosses at least two to leave.
+# Transmissions are those of one surface; light crosses at least two of them.
 CLEAR: RGB = (0.975, 0.985, 0.98)
 GLASS = Material(transmission=CLEAR, index=1.5, roughness=0.0, solid=True)
 ICE = Material(transmission=(0.96, 0.975, 0.985), index=1.31, roughness=0.0, solid=True)
@@ -48,13 +55,13 @@ BLUE_CLOTH = Material(albedo=(0.22, 0.32, 0.46), specular=0.0)
 
 quick = False
 parameters = {
-    "detail": Parameter(1.0, low=0.0, high=100.0, help="factor on the triangles of a surface"),
+    "detail": DETAIL,
 }
 
 
 @dataclass(frozen=True)
 class Serving:
-    """A glass, where its foot stands, and the drink in it up to a level, if there is one."""
+    """A glass, (x, z) of its foot, and the drink in it up to a level; meters. "" for no drink."""
 
     name: str
     vessel: Vessel
@@ -69,7 +76,7 @@ SERVINGS = (
     Serving("shot glass", tumbler(0.21, 0.28, 0.62, 0.03, 0.09), (0.1, 0.75), "lime", 0.42),
     Serving("rocks glass", tumbler(0.37, 0.44, 0.80, 0.03, 0.08), (0.95, -0.1)),
 )
-# Middle of each cube of ice from the foot of the rocks glass, its edge, and its turn round y.
+# Center of each ice cube relative to the foot of the rocks glass, edge length, and turn about y.
 CUBES = (
     ((-0.155, 0.225, 0.02), 0.26, 0.08),
     ((0.150, 0.225, -0.02), 0.25, 1.5),
@@ -79,7 +86,7 @@ CUBES = (
 
 
 def build(*, name: str, detail: float) -> Scene:
-    """Return the table; the cloth throws no shadow, all else does."""
+    """Return the cloth, glasses, drinks and ice. The cloth casts no shadow, all others do."""
     objects = _cloth()
     for serving in SERVINGS:
         foot = translation((serving.place[0], FOOT_GAP, serving.place[1]))
@@ -100,17 +107,18 @@ def build(*, name: str, detail: float) -> Scene:
                 intensity=(118.0, 114.0, 106.0),
                 angle=math.radians(50),
             ),
-            EnvironmentLight(_room()),
+            _room(),
         ),
     )
 
 
 def _liquid(transmission: RGB) -> Material:
+    """Return the material of a drink."""
     return Material(transmission=transmission, index=1.33, roughness=0.0, solid=True)
 
 
 def _ice(detail: float) -> Mesh:
-    """Return all cubes: three in the rocks glass and one on the cloth."""
+    """Return all ice cubes: three in the rocks glass and one on the cloth."""
     x, z = SERVINGS[-1].place
     cubes = []
     for middle, edge, turn in CUBES:
@@ -121,6 +129,7 @@ def _ice(detail: float) -> Mesh:
 
 
 def _cloth() -> list[Object]:
+    """Return the pale and the blue squares."""
     across, along = (COLUMNS * SQUARE / 2, 0.0, 0.0), (0.0, 0.0, -ROWS * SQUARE / 2)
     pale, blue = checkers((0, 0, 0), across, along, COLUMNS, ROWS)
     return [
@@ -129,8 +138,8 @@ def _cloth() -> list[Object]:
     ]
 
 
-def _room() -> Texture:
-    """Return a dim room with a window ahead to the left, and one behind the viewer."""
+def _room() -> EnvironmentLight:
+    """Return a dim room with a window ahead on the left and one behind the viewer."""
     windows = (
         Window(azimuth=-0.6, elevation=0.35, width=0.7, height=0.6, radiance=(3.0, 3.2, 3.5)),
         Window(azimuth=2.5, elevation=0.4, width=0.9, height=0.6, radiance=(2.2, 2.1, 1.9)),

@@ -1,7 +1,7 @@
-"""Simple lighting baked into per-vertex radiance, so that both renderers draw the same numbers.
+"""Lighting baked into radiance at vertices, so that both renderers draw the same numbers.
 
-Everything here returns linear Rec.709 factors for `Mesh.radiance`, which multiplies the emission
-of the material. Directions named `toward_key` point from the surface to the light.
+The functions return linear Rec.709 factors for `Mesh.radiance`, which multiply the emission of the
+material.
 """
 
 from __future__ import annotations
@@ -12,45 +12,44 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from oitbench.scene import RGB, Mesh
-
-Floats = npt.NDArray[np.float64]
+from oitbench.scene import RGB, Floats, Mesh, Vector, axes_along
 
 
 @dataclass(frozen=True)
 class Rig:
-    """One key light under a hemisphere of fill light.
+    """A key light with hemispherical fill light.
 
     Parameters
     ----------
-    toward_key : RGB
-        Direction to the key light; need not be a unit vector.
+    toward_key : Vector
+        Direction from the surface to the key light; need not have unit length.
     key : RGB
-        Radiance that a white Lambertian surface shows when it faces the key light.
+        Radiance of a white Lambertian surface that faces the key light.
     sky, ground : RGB
-        The same for fill light from above and from below; normals between see a blend of both.
+        Radiance of a white Lambertian surface under the fill light, if it faces straight up and
+        straight down; blended in between.
     """
 
-    toward_key: RGB
+    toward_key: Vector
     key: RGB
     sky: RGB
     ground: RGB
 
     @property
     def direction(self) -> Floats:
-        """The unit vector to the key light."""
+        """Unit vector to the key light."""
         direction = np.asarray(self.toward_key, dtype=np.float64)
         return np.asarray(direction / np.linalg.norm(direction))
 
 
 def with_radiance(mesh: Mesh, radiance: npt.ArrayLike) -> Mesh:
-    """Return `mesh` with a factor of shape (3,) or (n, 3) on its emission at each vertex."""
+    """Return `mesh` with `radiance`, shape (3,) or (n, 3), as the factor on its emission."""
     values = np.broadcast_to(np.asarray(radiance, dtype=np.float32), mesh.positions.shape)
     return replace(mesh, radiance=np.ascontiguousarray(values))
 
 
 def normals_of(mesh: Mesh) -> Floats:
-    """Return the mesh's vertex normals, shape (n, 3); it must have them."""
+    """Return the mesh's vertex normals, shape (n, 3); raise `ValueError` if it has none."""
     if mesh.normals is None:
         raise ValueError("baked shading needs a mesh with normals")
     return mesh.normals.astype(np.float64)
@@ -62,7 +61,7 @@ def diffuse(
     lit: npt.ArrayLike = 1.0,
     openness: npt.ArrayLike = 1.0,
 ) -> Floats:
-    """Return what a white Lambertian surface shows, shape (n, 3).
+    """Return the radiance of a white Lambertian surface.
 
     Parameters
     ----------
@@ -71,9 +70,13 @@ def diffuse(
     rig : Rig
         The lights.
     lit : array, broadcastable to (n, 3)
-        Fraction of the key light that arrives, per channel behind colored glass.
+        Fraction of the key light that arrives, per channel.
     openness : array, broadcastable to (n, 3)
         Fraction of the fill light that arrives: ambient occlusion.
+
+    Returns
+    -------
+    array, shape (n, 3), float64
     """
     directions = np.asarray(normals, dtype=np.float64)
     facing = np.maximum(directions @ rig.direction, 0.0)[:, None]
@@ -83,28 +86,38 @@ def diffuse(
 
 
 def cone(direction: npt.ArrayLike, spread: float, count: int) -> Floats:
-    """Return `count` unit directions, shape (count, 3), evenly within `spread` radians of one.
+    """Return unit directions, shape (count, 3), evenly spaced within `spread` radians of one.
 
-    They form a Fibonacci spiral, so an area light is sampled without random numbers.
+    They form a Fibonacci spiral, so that an area light is sampled without random numbers.
     """
-    axis = np.asarray(direction, dtype=np.float64)
-    axis = axis / np.linalg.norm(axis)
-    side = np.cross(axis, np.eye(3)[np.argmin(np.abs(axis))])
-    side /= np.linalg.norm(side)
+    right, up, axis = axes_along(direction)
     index = np.arange(count) + 0.5
     height = 1 - (1 - np.cos(spread)) * index / count
     angle = index * np.pi * (3 - np.sqrt(5))
     radius = np.sqrt(1 - height**2)
-    plane = np.cos(angle)[:, None] * side + np.sin(angle)[:, None] * np.cross(axis, side)
-    return np.asarray(height[:, None] * axis + radius[:, None] * plane)
+    plane = np.cos(angle)[:, None] * right + np.sin(angle)[:, None] * up
+    return np.asarray(height[:, None] * axis - radius[:, None] * plane)
 
 
 def sphere_chord(
-    points: npt.ArrayLike, direction: npt.ArrayLike, center: RGB, radius: float
+    points: npt.ArrayLike, direction: npt.ArrayLike, center: Vector, radius: float
 ) -> Floats:
-    """Return how many metres of a ball lie on the rays from `points`, shape (n, 3) → (n,).
+    """Return the length inside a ball of the ray from each point.
 
-    `direction` is one unit vector. Points inside the ball see the rest of it.
+    Parameters
+    ----------
+    points : array, shape (n, 3)
+        Origins of the rays, meters.
+    direction : array, shape (3,)
+        Unit vector of all rays.
+    center : Vector
+    radius : float
+        Meters.
+
+    Returns
+    -------
+    array, shape (n,), float64
+        Meters. From a point inside the ball, the length of the way out.
     """
     toward = np.asarray(direction, dtype=np.float64)
     offset = np.asarray(center) - np.asarray(points, dtype=np.float64)
@@ -114,7 +127,7 @@ def sphere_chord(
 
 
 def tint(weights: npt.ArrayLike, colors: Sequence[RGB]) -> Floats:
-    """Return colors along a ramp: weight 0 is the first of `colors`, 1 the last; shape (n, 3)."""
+    """Return colors along a ramp, shape (n, 3): weight 0 is the first of `colors`, 1 the last."""
     at = np.asarray(weights, dtype=np.float64) * (len(colors) - 1)
     stops = np.asarray(colors, dtype=np.float64)
     return np.stack([np.interp(at, np.arange(len(colors)), channel) for channel in stops.T], axis=1)

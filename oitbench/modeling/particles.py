@@ -1,4 +1,4 @@
-"""Clouds of soft particles: where they are, how they face camera and light, how dense they are."""
+"""Clouds of soft particles: their places, their orientation and their material."""
 
 from __future__ import annotations
 
@@ -8,15 +8,37 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
-from oitbench.modeling.mesh import Floats, frames, quad, scatter
-from oitbench.scene import RGB, Camera, Mesh, Texture
+from oitbench.modeling.mesh import quad
+from oitbench.modeling.placement import frames, random_directions, scatter
+from oitbench.scene import Camera, Floats, Material, Mesh, Texture, Vector
 
-TEXTURE_SIDE = 128  # texels
-BORDER = 3  # empty texels round the puff, so that no filter cuts it off
+TEXTURE_SIDE = 128
+"""Texels along a side of a particle's coverage."""
+BORDER = 3
+"""Empty texels around the disc, so that no filter cuts it off."""
+
+
+def smoke(alpha: float, albedo: float, nominal: int, count: int) -> Material:
+    """Return the material of `count` particles that scatter light equally to all sides.
+
+    Parameters
+    ----------
+    alpha : float
+        Coverage at the middle of a particle if there are `nominal` particles.
+    albedo : float
+        Fraction of the covered light that is scattered, in [0, 1].
+    nominal, count : int
+        As in `shared_coverage`.
+    """
+    return Material(
+        coverage=puff(shared_coverage(alpha, nominal, count)),
+        albedo=(albedo, albedo, albedo),
+        isotropic=True,
+    )
 
 
 def puff(alpha: float) -> Texture:
-    """Return a soft, wispy disc of coverage that is `alpha` at most and 0 at its border."""
+    """Return a soft, wispy disc of coverage that is at most `alpha`, and 0 at its border."""
     line = (np.arange(TEXTURE_SIDE) + 0.5) / TEXTURE_SIDE * 2 - 1
     x, y = np.meshgrid(line, line)
     distance = np.hypot(x, y) / (1 - 2 * BORDER / TEXTURE_SIDE)
@@ -29,7 +51,7 @@ def puff(alpha: float) -> Texture:
 def shared_coverage(alpha: float, nominal: int, count: int) -> float:
     """Return the coverage at which `count` particles are as thick as `nominal` ones of `alpha`.
 
-    Layers multiply their 1 − α, so it is ln(1 − α), the optical depth, that is shared out.
+    The factors 1 − α of layers multiply, so that the optical depth ln(1 − α) is shared out.
     """
     return float(1 - (1 - alpha) ** (nominal / count))
 
@@ -39,21 +61,26 @@ def fill(
     count: int,
     centers: npt.ArrayLike,
     radii: npt.ArrayLike,
-    stretch: RGB = (1.0, 1.0, 1.0),
+    stretch: Vector = (1.0, 1.0, 1.0),
 ) -> Floats:
-    """Return random points in a union of balls, shape (count, 3), in random order.
+    """Return random points in several balls, in random order.
 
     Parameters
     ----------
     random : Generator
     count : int
-        Points to place.
+        Number of points.
     centers : array, shape (k, 3)
-        Metres. A ball gets points by its volume, so balls are dense where they overlap.
+        Centers of the balls, meters. Each ball gets points in proportion to its volume, so that the
+        points are denser where balls overlap.
     radii : array, shape (k,)
-        Metres.
-    stretch : RGB
-        Factors that make an ellipsoid of each ball, along x, y and z.
+        Meters.
+    stretch : Vector
+        Factors along x, y and z that make each ball an ellipsoid.
+
+    Returns
+    -------
+    array, shape (count, 3), float64
     """
     sizes = np.asarray(radii, dtype=np.float64)
     lobe = random.choice(len(sizes), count, p=sizes**3 / (sizes**3).sum())
@@ -62,34 +89,28 @@ def fill(
     return np.asarray(np.asarray(centers, dtype=np.float64)[lobe] + offsets)
 
 
-def random_directions(random: np.random.Generator, count: int) -> Floats:
-    """Return unit vectors, shape (count, 3), evenly over the sphere."""
-    directions = random.normal(size=(count, 3))
-    return np.asarray(directions / np.linalg.norm(directions, axis=1, keepdims=True))
-
-
 def sprites(
     random: np.random.Generator,
     centers: npt.ArrayLike,
     radii: npt.ArrayLike,
     camera: Camera,
-    toward_light: RGB,
+    toward_light: Vector,
 ) -> Mesh:
     """Return squares, randomly turned in their planes, that face both `camera` and a light.
 
     They are perpendicular to the vector halfway between the two directions, so that neither sees
-    them edge on: squares that face the camera alone would throw hardly a shadow from above.
+    them edge-on. Squares that face the camera alone would cast almost no shadow from above.
 
     Parameters
     ----------
     random : Generator
     centers : array, shape (k, 3)
-        World positions, metres.
+        World positions, meters.
     radii : array, shape (k,), or float
-        Half the edge of each square, metres.
+        Half the edge length of each square, meters.
     camera : Camera
-    toward_light : RGB
-        Direction to the light; need not be a unit vector.
+    toward_light : Vector
+        Direction to the light; need not have unit length.
 
     References
     ----------
@@ -104,12 +125,12 @@ def sprites(
     return scatter(quad((0, 0, 0), (1, 0, 0), (0, 1, 0)), frames(middles, rights, ups))
 
 
-def _facing(camera: Camera, toward_light: RGB) -> Sequence[Floats]:
-    """Return two perpendicular unit vectors in the plane that both camera and light see well."""
+def _facing(camera: Camera, toward_light: Vector) -> Sequence[Floats]:
+    """Return two perpendicular unit vectors that span the plane halfway between the directions."""
     light = np.asarray(toward_light, dtype=np.float64)
-    light /= np.linalg.norm(light)
+    light = light / np.linalg.norm(light)
     right, _, back = camera.axes
-    # Both sides of a square are alike, so a light behind it counts as one before it.
+    # Both sides of a square look the same, so a light behind the square may be mirrored.
     half = back + light if back @ light >= 0 else back - light
     up = np.cross(half, right)
     up /= np.linalg.norm(up)

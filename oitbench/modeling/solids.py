@@ -1,102 +1,48 @@
-"""Closed solids from rings: outlines with rounded corners, turned or lofted into one mesh each.
+"""Closed solids: profiles turned about an axis, and rings joined by lofting.
 
-What is turned here bounds a solid: every edge is shared by two triangles, normals point outwards,
-and no vertex is doubled, so refraction finds an inside and an outside everywhere.
+Every mesh here bounds a solid: each edge is shared by two triangles, normals point outwards, and no
+vertex is duplicated, so that refraction finds an inside and an outside everywhere.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 
 import numpy as np
 
-from oitbench.modeling.baking import Floats
-from oitbench.modeling.mesh import divisions
-from oitbench.scene import Mesh
-
-Corner = tuple[float, float, float]
-"""(radius, height, radius of the fillet) of an outline, metres."""
-STEPS_PER_TURN = 20
-"""Chords at detail 1 of a fillet that turned a full circle."""
-
-
-def outline(corners: Sequence[Corner], detail: float) -> Floats:
-    """Return the polygon `corners` with each corner rounded by an arc of its own radius.
-
-    Parameters
-    ----------
-    corners : sequence of (radius, height, fillet)
-        Metres; ends keep their corner, and so does whatever has fillet 0.
-    detail : float
-        Factor on the number of triangles of what is turned from the outline.
-
-    Returns
-    -------
-    array, shape (n, 2)
-        (radius, height); successive points differ.
-
-    Raises
-    ------
-    ValueError
-        If two fillets, or a fillet and an end, need more of an edge than there is.
-    """
-    points = np.asarray(corners, dtype=np.float64)
-    ends, radii = points[:, :2], points[:, 2]
-    edges = np.diff(ends, axis=0)
-    lengths = np.linalg.norm(edges, axis=1)
-    directions = edges / lengths[:, None]
-    cosine = np.einsum("ij,ij->i", directions[:-1], directions[1:]).clip(-1, 1)
-    turn = np.pad(np.arccos(cosine), 1)
-    reach = radii * np.tan(turn / 2)
-    if (reach[:-1] + reach[1:] > lengths * (1 + 1e-9)).any():
-        edge = int(np.argmax(reach[:-1] + reach[1:] - lengths))
-        raise ValueError(f"the fillets at the ends of edge {edge} of an outline overlap")
-    curve = [ends[:1]]
-    for index in range(1, len(points) - 1):
-        if reach[index] == 0:
-            curve.append(ends[index : index + 1])
-            continue
-        steps = divisions(STEPS_PER_TURN * turn[index] / (2 * math.pi), detail, 2)
-        before, after = directions[index - 1], directions[index]
-        toward = (after - before) / np.linalg.norm(after - before)
-        middle = ends[index] + toward * radii[index] / math.cos(turn[index] / 2)
-        angle = (np.arange(steps + 1) / steps - 0.5) * turn[index]
-        level = (before + after) / np.linalg.norm(before + after)
-        arc = np.sin(angle)[:, None] * level - np.cos(angle)[:, None] * toward
-        curve.append(middle + radii[index] * arc)
-    curve.append(ends[-1:])
-    joined = np.concatenate(curve)
-    joined[np.abs(joined) < 1e-12] = 0.0
-    apart = np.linalg.norm(np.diff(joined, axis=0), axis=1) > 1e-9
-    return np.asarray(joined[np.concatenate([[True], apart])])
+from oitbench.scene import Floats, Mesh, unit
 
 
 def turned(profile: Floats, slices: int) -> Mesh:
-    """Return the solid of revolution of a profile (n, 2) that starts and ends on the y axis.
+    """Return the solid of revolution of a profile that starts and ends on the y axis.
 
     Parameters
     ----------
     profile : array, shape (n, 2)
-        (radius, height) in metres, from the foot round the outside to the other end.
+        (radius, height) in meters, from the foot along the outside to the other end.
     slices : int
-        Divisions round the axis, at least 3.
+        Divisions about the axis, at least 3.
     """
+    return loft(round_rings(profile), slices)
+
+
+def round_rings(profile: Floats) -> Floats:
+    """Return the circular rings, for `loft`, of a profile (radius, height), shape (n, 2)."""
     radius, height = profile.T
-    return loft(np.stack([-radius, height, radius, height, radius], axis=1), slices)
+    return np.stack([-radius, height, radius, height, radius], axis=1)
 
 
 def loft(rings: Floats, slices: int) -> Mesh:
-    """Return the closed tube through elliptic rings, with smooth normals and one vertex a corner.
+    """Return the closed tube through elliptic rings, with smooth normals.
 
     Parameters
     ----------
     rings : array, shape (n, 5)
-        (x, y) of the back of each ring, (x, y) of its front, and half its width along z, metres.
-        The first and the last ring are points; seen from +z, the tube runs with its back on
-        the left.
+        (x, y) of the back of each ring, (x, y) of its front, and half its width along z, meters.
+        The first and the last ring are points. Seen from +z with the first ring below, the back is
+        on the left.
     slices : int
-        Divisions round the tube, at least 3.
+        Divisions about the tube, at least 3.
 
     Raises
     ------
@@ -116,32 +62,27 @@ def loft(rings: Floats, slices: int) -> Mesh:
     return closed(positions)
 
 
-def closed(grid: Floats) -> Mesh:
-    """Return the mesh of a grid of points that is closed round its second axis.
+def closed(points: Floats) -> Mesh:
+    """Return the mesh of a grid of points that is closed along its second axis and at both ends.
 
     Parameters
     ----------
-    grid : array, shape (rings, slices, 3)
+    points : array, shape (rings, slices, 3)
         All points of the first ring coincide, and so do those of the last.
     """
-    rings, slices = grid.shape[:2]
-    around = np.roll(grid, -1, axis=1) - np.roll(grid, 1, axis=1)
-    along = np.gradient(grid, axis=0)
+    rings, slices = points.shape[:2]
+    around = np.roll(points, -1, axis=1) - np.roll(points, 1, axis=1)
+    along = np.gradient(points, axis=0)
     normals = np.cross(around, along)
     for end, inner in ((0, 1), (-1, -2)):
         normals[end] = normals[inner].sum(axis=0)
-    lengths = np.linalg.norm(normals, axis=-1, keepdims=True)
-    body = (slice(1, -1), slice(None))
-    ends = (grid[0, :1], grid[-1, :1])
-    positions = np.concatenate([ends[0], grid[body].reshape(-1, 3), ends[1]])
-    unit = normals / lengths
-    vertex = np.concatenate([unit[0, :1], unit[body].reshape(-1, 3), unit[-1, :1]])
     start = 1 + np.arange(rings - 3)[:, None] * slices
     this = np.arange(slices)
     following = np.roll(this, -1)
     lower, right = (start + this).ravel(), (start + following).ravel()
     upper, corner = lower + slices, right + slices
-    last, base = len(positions) - 1, len(positions) - 1 - slices
+    last = 1 + (rings - 2) * slices
+    base = last - slices
     triangles = np.concatenate(
         [
             np.stack([np.zeros_like(this), 1 + following, 1 + this], axis=1),
@@ -150,8 +91,11 @@ def closed(grid: Floats) -> Mesh:
             np.stack([base + this, base + following, np.full_like(this, last)], axis=1),
         ]
     )
-    return Mesh(
-        positions.astype(np.float32),
-        triangles.astype(np.uint32),
-        normals=vertex.astype(np.float32),
+    return Mesh.from_arrays(
+        _one_vertex_each(points), triangles, normals=_one_vertex_each(unit(normals))
     )
+
+
+def _one_vertex_each(values: Floats) -> Floats:
+    """Return the values of all vertices in order, with one vertex for each of the two end rings."""
+    return np.concatenate([values[0, :1], values[1:-1].reshape(-1, 3), values[-1, :1]])

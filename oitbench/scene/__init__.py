@@ -1,16 +1,47 @@
-"""What a scene is: frozen descriptions that name no renderer."""
+"""Descriptions of scenes: frozen dataclasses that do not depend on a renderer.
 
+Space is right-handed with y up, in meters and radians; the camera looks down its −z axis. Radiance,
+transmission and albedo are linear Rec.709 and not premultiplied.
+
+========== =================================================================
+module     holds
+========== =================================================================
+model      `Scene`, and the effects that a scene requests
+objects    `Mesh`, `Object`, `FragmentLists`
+camera     `Camera`
+material   `Material` and `Texture`: how surfaces cover, transmit and reflect
+lights     directional, spot and environment lights
+medium     `Medium`: fog
+vectors    types of vectors, colors and arrays, and vector algebra
+checks     validation of values
+texturing  the texture filter that both renderers share
+========== =================================================================
+"""
+
+from oitbench.scene.camera import Camera
 from oitbench.scene.lights import (
     PENUMBRA,
     DirectionalLight,
     EnvironmentLight,
     Light,
-    Medium,
     SpotLight,
-    sample_density,
 )
-from oitbench.scene.material import BLACK, RGB, WHITE, Array, Material, Texture, is_grey
-from oitbench.scene.model import Camera, FragmentLists, Mesh, Object, Scene
+from oitbench.scene.material import Material, Texture
+from oitbench.scene.medium import Medium, sample_density
+from oitbench.scene.model import Scene
+from oitbench.scene.objects import FragmentLists, Mesh, Object
+from oitbench.scene.vectors import (
+    BLACK,
+    RGB,
+    WHITE,
+    Array,
+    Floats,
+    Vector,
+    as_vector,
+    axes_along,
+    opposite,
+    unit,
+)
 
 __all__ = [
     "BLACK",
@@ -21,6 +52,7 @@ __all__ = [
     "Camera",
     "DirectionalLight",
     "EnvironmentLight",
+    "Floats",
     "FragmentLists",
     "Light",
     "Material",
@@ -30,6 +62,10 @@ __all__ = [
     "Scene",
     "SpotLight",
     "Texture",
-    "is_grey",
+    "Vector",
+    "as_vector",
+    "axes_along",
+    "opposite",
     "sample_density",
+    "unit",
 ]

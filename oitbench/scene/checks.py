@@ -1,4 +1,4 @@
-"""Checks of the values that scenes are made of: they name the owner and the field."""
+"""Checks of the values in a scene. Their messages name the owner and the field."""
 
 from __future__ import annotations
 
@@ -14,8 +14,16 @@ def require(condition: bool, message: str) -> None:
         raise SceneError(message)
 
 
-def require_finite(owner: str, **arrays: npt.ArrayLike | None) -> None:
-    """Raise `SceneError` if one of `arrays` holds NaN or infinity."""
-    for name, values in arrays.items():
-        if values is not None and not np.isfinite(np.asarray(values, dtype=np.float64)).all():
+def require_finite(owner: str, **values: npt.ArrayLike | None) -> None:
+    """Raise `SceneError` if one of `values` contains NaN or infinity; None is skipped.
+
+    Parameters
+    ----------
+    owner : str
+        The object that the values belong to, as in "camera".
+    **values : array_like or None
+        The values by the names of their fields.
+    """
+    for name, value in values.items():
+        if value is not None and not np.isfinite(np.asarray(value, dtype=np.float64)).all():
             raise SceneError(f"{owner}: {name} holds NaN or infinity; every value must be finite")

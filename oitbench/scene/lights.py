@@ -1,31 +1,45 @@
-"""What lights a scene, and the medium that may fill it."""
+"""Lights: directional, spot and environment.
+
+A new kind of light is a dataclass here and a member of `Light`. Both renderers must then implement
+it, in `oitbench/gl/shading` and in `oitbench/path_traced`.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 
-import numpy as np
-import numpy.typing as npt
-
 from oitbench.scene.checks import require, require_finite
-from oitbench.scene.material import RGB, WHITE, Array, Texture
+from oitbench.scene.material import Texture
+from oitbench.scene.vectors import RGB, WHITE, Vector
 
 PENUMBRA = 0.1
-"""Part of a spot light's half angle over which it fades out, linear in the angle."""
+"""Outer fraction of a spot light's half angle over which it fades out, linearly in the angle."""
 
 
 @dataclass(frozen=True)
 class DirectionalLight:
-    """Light from infinity: the direction it travels, and its irradiance on a facing surface."""
+    """Parallel light from infinity.
 
-    direction: RGB
+    Parameters
+    ----------
+    direction : Vector
+        Direction in which the light travels; need not have unit length.
+    irradiance : RGB
+        Irradiance of a surface that faces the light, W·m⁻² on the scene's arbitrary scale.
+
+    Raises
+    ------
+    SceneError
+        If a value is not finite or the direction is zero.
+    """
+
+    direction: Vector
     irradiance: RGB = WHITE
 
     def __post_init__(self) -> None:
         require_finite("light", direction=self.direction, irradiance=self.irradiance)
-        require(any(self.direction), "light: its direction has no length")
+        require(any(self.direction), "light: its direction has no length; give a nonzero vector")
 
 
 @dataclass(frozen=True)
@@ -34,106 +48,54 @@ class SpotLight:
 
     Parameters
     ----------
-    position, target : RGB
-        Metres; the cone's axis runs from one to the other.
+    position, target : Vector
+        Meters; the axis of the cone runs from `position` to `target`.
     intensity : RGB
-        W·sr⁻¹ on the axis and up to the last `PENUMBRA` of the half angle, where it fades to zero.
+        Radiant intensity, W·sr⁻¹ on the scene's arbitrary scale. It is constant from the axis up to
+        1 − `PENUMBRA` of the half angle and fades to zero over the rest.
     angle : float
-        The full cone in radians, below π.
+        Full opening angle of the cone in radians, in (0, π).
+
+    Raises
+    ------
+    SceneError
+        If a value is not finite, `position` equals `target`, or `angle` is out of range.
     """
 
-    position: RGB
-    target: RGB
+    position: Vector
+    target: Vector
     intensity: RGB = WHITE
     angle: float = math.radians(40)
 
     def __post_init__(self) -> None:
         require_finite("light", position=self.position, target=self.target)
         require_finite("light", intensity=self.intensity)
-        require(self.position != self.target, "light: position and target coincide")
+        require(self.position != self.target, "light: position and target coincide; move one")
         require(0 < self.angle < math.pi, "light: angle must lie between 0 and π radians")
 
 
 @dataclass(frozen=True, eq=False)
 class EnvironmentLight:
-    """Radiance from all directions; it is also what the camera sees where no surface is.
+    """Radiance that arrives from all directions; also the background that the camera sees.
 
     Parameters
     ----------
     radiance : RGB or Texture
-        One value, or a map of latitude and longitude, (h, w, 3): its first row is straight up (+y),
-        its middle column straight ahead (−z), and columns run to the right (+x).
+        Radiance in W·sr⁻¹·m⁻² on the scene's arbitrary scale: one color for all directions, or a
+        latitude-longitude map of shape (h, w, 3). The first row of the map is straight up (+y), its
+        middle column straight ahead (−z), and columns run to the right (+x).
+
+    Raises
+    ------
+    SceneError
+        If a color is not finite.
     """
 
     radiance: RGB | Texture = WHITE
 
+    def __post_init__(self) -> None:
+        if not isinstance(self.radiance, Texture):
+            require_finite("light", radiance=self.radiance)
+
 
 Light = DirectionalLight | SpotLight | EnvironmentLight
-
-
-@dataclass(frozen=True, eq=False)
-class Medium:
-    """A participating medium that fills an axis-aligned box.
-
-    Parameters
-    ----------
-    extinction : float
-        σ_t in m⁻¹ where the density is one.
-    low, high : RGB
-        Corners of the box, metres.
-    albedo : RGB
-        Single-scattering albedo Λ.
-    anisotropy : float
-        g of Henyey & Greenstein, in (−1, 1); positive scatters forward.
-    collimation : float
-        c in [0, 1] for methods that blur what lies behind the medium; 1 passes light in a beam.
-    density : array, shape (nz, ny, nx), float32, optional
-        Factor on the extinction, in [0, 1], at the centers of equal cells of the box, linear
-        between them; one everywhere without.
-    """
-
-    extinction: float
-    low: RGB
-    high: RGB
-    albedo: RGB = WHITE
-    anisotropy: float = 0.0
-    collimation: float = 1.0
-    density: Array | None = None
-
-    def __post_init__(self) -> None:
-        require_finite("medium", extinction=self.extinction, low=self.low, high=self.high)
-        require_finite("medium", albedo=self.albedo, density=self.density)
-        require(self.extinction >= 0, "medium: extinction is negative")
-        require(-1 < self.anisotropy < 1, "medium: anisotropy must lie between -1 and 1")
-        require(0 <= self.collimation <= 1, "medium: collimation leaves [0, 1]")
-        require(
-            all(low < high for low, high in zip(self.low, self.high, strict=True)),
-            "medium: its box is empty; low must be below high on every axis",
-        )
-        density = self.density
-        if density is not None:
-            require(density.ndim == 3, f"medium: density is {density.shape}; give (nz, ny, nx)")
-            inside = bool(((density >= 0) & (density <= 1)).all())
-            require(inside, "medium: density leaves [0, 1]")
-
-
-def sample_density(
-    function: Callable[[npt.NDArray[np.float64]], npt.ArrayLike],
-    low: RGB,
-    high: RGB,
-    cells: tuple[int, int, int],
-) -> Array:
-    """Return `function`, of points (..., 3) in metres, at the centers of nx × ny × nz cells.
-
-    Returns
-    -------
-    array, shape (nz, ny, nx), float32
-        Clipped to [0, 1], for `Medium.density`.
-    """
-    axes = [
-        first + (np.arange(count) + 0.5) / count * (last - first)
-        for first, last, count in zip(low, high, cells, strict=True)
-    ]
-    z, y, x = np.meshgrid(*axes[::-1], indexing="ij")
-    values = np.asarray(function(np.stack([x, y, z], axis=-1)), dtype=np.float64)
-    return np.clip(values, 0, 1).astype(np.float32)

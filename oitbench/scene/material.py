@@ -1,34 +1,34 @@
-"""Materials and textures: how a surface covers, transmits, emits and reflects light."""
+"""Materials and textures: how a surface covers, transmits, emits and reflects light.
+
+A new property is a field of `Material`. Both renderers must then implement it, in `oitbench/gl` and
+in `oitbench/path_traced`. If it is a new effect, `model._requested_effects` must derive it.
+"""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from oitbench.scene.checks import require, require_finite
-
-RGB = tuple[float, float, float]
-Array = npt.NDArray[np.float32]
-BLACK: RGB = (0.0, 0.0, 0.0)
-WHITE: RGB = (1.0, 1.0, 1.0)
-
-
-def is_grey(color: RGB) -> bool:
-    """Tell whether the three channels of `color` are equal."""
-    return color[0] == color[1] == color[2]
+from oitbench.scene.vectors import BLACK, RGB, Array
 
 
 @dataclass(frozen=True, eq=False)
 class Texture:
-    """A picture wrapped round uv ∈ [0, 1]², clamped at its edges.
+    """An image over texture coordinates uv ∈ [0, 1]², clamped at its edges.
 
     Parameters
     ----------
     texels : array, shape (h, w) or (h, w, 3), float32
-        One channel for coverage, three for radiance; the first row is at v = 1 (top). Both sides
-        must be powers of two, so that every mip level halves exactly.
+        One channel for coverage or gray radiance, three for colored radiance. The first row is at
+        v = 1 (top). Both sides must be powers of two, so that every mip level halves exactly.
+
+    Raises
+    ------
+    SceneError
+        If `texels` has a wrong shape, a side that is not a power of two, or a value that is not
+        finite.
     """
 
     texels: Array
@@ -40,7 +40,10 @@ class Texture:
             f"texture: texels are {shape}; give (h, w) for coverage or (h, w, 3) for radiance",
         )
         for side in shape[:2]:
-            require(side > 0 and side & (side - 1) == 0, f"texture: side {side} is no power of two")
+            require(
+                side > 0 and side & (side - 1) == 0,
+                f"texture: a side has {side} texels; give a power of two",
+            )
         require_finite("texture", texels=self.texels)
 
 
@@ -48,39 +51,44 @@ class Texture:
 class Material:
     """How a surface covers, transmits, emits and reflects light.
 
-    Where the surface is, it reflects by Lambert's law and by a microfacet lobe (GGX) with Schlick's
-    Fresnel term F, and it transmits t = T (1 − F) (1 − albedo): transmission loses what reflection
-    took (McGuire & Mara 2017, section 4.1).
+    The covered part of the surface reflects by Lambert's law and by a microfacet lobe (GGX) with
+    Schlick's Fresnel term F. It transmits t = T (1 − F) (1 − albedo), because reflected light is
+    lost to transmission (McGuire & Mara 2017, "Phenomenological Transparency", section 4.1).
 
     Parameters
     ----------
     coverage : float or Texture
-        Fraction α of the surface that is there at all, in [0, 1].
+        Fraction α of the surface that is covered, in [0, 1]. Light passes the rest unchanged.
     transmission : RGB
-        Fraction T of the light that passes at normal incidence where the surface is and reflects
-        nothing, per channel in [0, 1].
+        Fraction T of the light that passes the covered part at normal incidence if nothing is
+        reflected, per channel in [0, 1].
     emission : RGB or Texture
-        Radiance L that leaves the covered surface, W·sr⁻¹·m⁻² on an arbitrary scale.
+        Radiance L that leaves the covered part, W·sr⁻¹·m⁻² on the scene's arbitrary scale.
     albedo : RGB
-        Diffuse reflectance under the scene's lights, on the side that is seen.
+        Diffuse reflectance under the scene's lights, on the visible side, per channel in [0, 1].
     specular : float, optional
-        Reflectance F₀ of the microfacet lobe at normal incidence, in [0, 1]; that of the refractive
-        index, ((N − 1)/(N + 1))², without.
+        Reflectance F₀ of the microfacet lobe at normal incidence, in [0, 1]. Default: that of the
+        refractive index, ((N − 1)/(N + 1))².
     roughness : float
-        Width of the microfacet lobe, in [0, 1]: the square root of GGX's α. At 0 the surface is a
-        mirror, which shows surroundings but no light that is a point or a direction.
+        Roughness of the microfacet lobe, in [0, 1]: the square root of GGX's α. At 0 the surface is
+        a mirror, which reflects the surroundings but no directional or spot light.
     index : float
-        Refractive index N of the inside, 1 for none. Thin sheets reflect by it and bend nothing.
+        Refractive index N of the inside, at least 1; 1 does not refract. A thin sheet uses it only
+        for its reflectance and does not refract.
     collimation : float
-        c in [0, 1]: 1 passes light in a beam, 0 spreads it all.
+        c in [0, 1]: 1 passes light in a beam, 0 spreads all of it.
     solid : bool
-        True for the boundary of a closed solid, with normals that point out of it; False for a thin
-        sheet.
+        True for the boundary of a closed solid with outward normals, False for a thin sheet.
     isotropic : bool
-        True for particles that scatter light to all sides alike (albedo/4π) rather than by
-        Lambert's law, and so have no normal.
+        True for particles, which have no normal: they scatter light equally to all sides
+        (albedo / 4π) instead of by Lambert's law.
     binary_coverage : bool
         True for foliage whose unfiltered coverage is 0 or 1 and that transmits nothing.
+
+    Raises
+    ------
+    SceneError
+        If a value is not finite or out of range.
     """
 
     coverage: float | Texture = 1.0
@@ -103,7 +111,7 @@ class Material:
             albedo=self.albedo, specular=self.specular, roughness=self.roughness, index=self.index,
             collimation=self.collimation,
         )  # fmt: skip
-        unit = {
+        fractions = {
             "coverage": coverage,
             "transmission": self.transmission,
             "albedo": self.albedo,
@@ -111,31 +119,35 @@ class Material:
             "roughness": self.roughness,
             "collimation": self.collimation,
         }
-        for name, value in unit.items():
+        for name, value in fractions.items():
             values = np.asarray(value)
-            require(bool(((values >= 0) & (values <= 1)).all()), f"material: {name} leaves [0, 1]")
+            inside = bool(((values >= 0) & (values <= 1)).all())
+            require(inside, f"material: {name} must lie in [0, 1]")
+        require(np.ndim(coverage) in (0, 2), "material: coverage has colors; give texels (h, w)")
         require(bool((np.asarray(emission) >= 0).all()), "material: emission is negative")
-        require(self.index >= 1, f"material: index {self.index} is below 1 (that of vacuum)")
+        require(self.index >= 1, f"material: index is {self.index}; it must be at least 1 (vacuum)")
 
     @property
     def opaque(self) -> bool:
-        """Whether nothing passes: coverage is one everywhere and transmission zero."""
+        """Whether no light passes: coverage is the number one, not a texture, and T is zero."""
         return self.coverage == 1.0 and self.transmission == BLACK
 
     @property
     def reflectance(self) -> float:
-        """F₀: what the microfacet lobe reflects at normal incidence."""
+        """Reflectance F₀ of the microfacet lobe at normal incidence."""
         if self.specular is not None:
             return self.specular
         return ((self.index - 1) / (self.index + 1)) ** 2
 
     @property
     def tints(self) -> bool:
-        """Whether what passes differs between channels."""
-        passed = [t * (1 - k) for t, k in zip(self.transmission, self.albedo, strict=True)]
-        return not passed[0] == passed[1] == passed[2]
+        """Whether the transmitted fraction differs between channels."""
+        red, green, blue = (
+            t * (1 - k) for t, k in zip(self.transmission, self.albedo, strict=True)
+        )
+        return not red == green == blue
 
     @property
     def refracts(self) -> bool:
-        """Whether light that passes leaves in another direction: at the boundary of a solid."""
+        """Whether transmitted light changes its direction, as at the boundary of a solid."""
         return self.solid and self.index != 1

@@ -1,11 +1,12 @@
-"""What both renderers share of textures: one premultiplied mip pyramid and one lookup rule.
+"""The texture filter that both renderers share: a premultiplied mip pyramid and a lookup rule.
 
-Emission and coverage are filtered together and premultiplied, (α·L, α): filtering them apart would
-let the color of what is not there bleed into what is.
+Emission and coverage are filtered together and premultiplied, (α·L, α). Filtered separately, the
+color of uncovered texels would bleed into covered ones.
 
-The rule: with `dx`, `dy` the derivatives of uv × size per sub-pixel, in texels,
-`lod = clamp(½·log2(max(dx·dx, dy·dy)), 0, levels − 1)`; bilinear in the levels ⌊lod⌋ and ⌊lod⌋ + 1
-with texel centers at + ½ and coordinates clamped to the edge; linear in between.
+The lookup rule: let `dx` and `dy` be the derivatives of uv × size per sub-pixel, in texels. Then
+`lod = clamp(½·log2(max(dx·dx, dy·dy)), 0, levels − 1)`. The lookup is bilinear in the levels ⌊lod⌋
+and ⌊lod⌋ + 1, with texel centers at + ½ and coordinates clamped to the edge, and linear between the
+two levels.
 """
 
 from __future__ import annotations
@@ -14,7 +15,8 @@ import numpy as np
 import numpy.typing as npt
 
 from oitbench.errors import SceneError
-from oitbench.scene.material import Array, Material, Texture
+from oitbench.scene.material import Material, Texture
+from oitbench.scene.vectors import Array, Floats
 
 
 def premultiplied_pyramid(material: Material) -> list[Array] | None:
@@ -27,8 +29,8 @@ def premultiplied_pyramid(material: Material) -> list[Array] | None:
     Returns
     -------
     list of array, shape (h, w, 4), float32, or None
-        α·L and α, linear Rec.709, finest level first down to 1 × 1, the top row (v = 1) first.
-        None if the material has no texture.
+        α·L (linear Rec.709) and α. The levels run from the finest down to 1 × 1; the first row of
+        each is the top (v = 1). None if the material has no texture.
 
     Raises
     ------
@@ -40,8 +42,8 @@ def premultiplied_pyramid(material: Material) -> list[Array] | None:
     if not sizes:
         return None
     if len(sizes) > 1:
-        told = " and ".join(f"{width}x{height}" for height, width in sorted(sizes))
-        raise SceneError(f"material: its textures are {told}; give emission and coverage one size")
+        found = " and ".join(f"{width}x{height}" for height, width in sorted(sizes))
+        raise SceneError(f"material: its textures are {found}; give emission and coverage one size")
     (size,) = sizes
     image = np.empty((*size, 4), dtype=np.float32)
     image[..., 3] = coverage.texels if isinstance(coverage, Texture) else coverage
@@ -54,7 +56,7 @@ def premultiplied_pyramid(material: Material) -> list[Array] | None:
 
 
 def _halve(image: Array) -> Array:
-    """Average blocks of 2 × 2 texels, or pairs where one side is already one texel."""
+    """Average blocks of 2 × 2 texels, or pairs of texels if one side is already one texel."""
     height, width, channels = image.shape
     tall, wide = min(2, height), min(2, width)
     blocks = image.reshape(height // tall, tall, width // wide, wide, channels)
@@ -62,28 +64,28 @@ def _halve(image: Array) -> Array:
     return halved
 
 
-def level_of_detail(dx: npt.ArrayLike, dy: npt.ArrayLike, levels: int) -> npt.NDArray[np.float64]:
-    """Return the fractional mip level for a footprint.
+def level_of_detail(dx: npt.ArrayLike, dy: npt.ArrayLike, levels: int) -> Floats:
+    """Return the fractional mip level for a pixel's footprint.
 
     Parameters
     ----------
     dx, dy : array, shape (..., 2)
-        Derivatives of uv × size per sub-pixel to the right and down, in texels.
+        Derivatives of uv × size, in texels, per sub-pixel to the right and down.
     levels : int
-        Levels of the pyramid.
+        Number of levels of the pyramid.
 
     Returns
     -------
     array, shape (...), float64
         In [0, levels − 1].
     """
-    squared = [(np.asarray(side, dtype=np.float64) ** 2).sum(axis=-1) for side in (dx, dy)]
-    widest = np.maximum(np.maximum(*squared), np.finfo(np.float64).tiny)
+    squares = [(np.asarray(side, dtype=np.float64) ** 2).sum(axis=-1) for side in (dx, dy)]
+    widest = np.maximum(np.maximum(*squares), np.finfo(np.float64).tiny)
     return np.asarray(np.clip(0.5 * np.log2(widest), 0, levels - 1))
 
 
-def lookup(pyramid: list[Array], uv: npt.ArrayLike, lod: npt.ArrayLike) -> npt.NDArray[np.float64]:
-    """Look a pyramid up by the rule above: the reference for both renderers.
+def lookup(pyramid: list[Array], uv: npt.ArrayLike, lod: npt.ArrayLike) -> Floats:
+    """Look up a pyramid by the rule of this module; the reference for both renderers.
 
     Parameters
     ----------
@@ -110,7 +112,7 @@ def lookup(pyramid: list[Array], uv: npt.ArrayLike, lod: npt.ArrayLike) -> npt.N
     return result
 
 
-def _bilinear(image: Array, uv: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+def _bilinear(image: Array, uv: Floats) -> Floats:
     height, width = image.shape[:2]
     x = np.clip(uv[0] * width, 0.5, width - 0.5) - 0.5
     y = np.clip((1 - uv[1]) * height, 0.5, height - 0.5) - 0.5

@@ -11,7 +11,8 @@ from oitbench.gl.device import Device
 from oitbench.gl.frame import Frame
 from oitbench.measure import accounting
 from oitbench.measure.oracle import composite
-from oitbench.modeling.mesh import box, rotation, transform
+from oitbench.modeling.mesh import box
+from oitbench.modeling.placement import rotation, transform
 from oitbench.scene import Camera, Material, Object, Scene
 from tests.helpers import (
     BACKGROUND,

@@ -5,14 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from oitbench.modeling.baking import (
-    Rig,
-    cone,
-    diffuse,
-    sphere_chord,
-    tint,
-    with_radiance,
-)
+from oitbench.modeling.baking import Rig, cone, diffuse, sphere_chord, tint, with_radiance
 from oitbench.modeling.mesh import lathe
 
 UP = (0.0, 1.0, 0.0)

@@ -1,4 +1,4 @@
-"""What runs is what a scene calls for and a method can express; all else costs nothing."""
+"""The effects that a scene requests and a method expresses are rendered; others cost nothing."""
 
 from __future__ import annotations
 
@@ -67,7 +67,7 @@ BLUR = "void resolve() { set_marks_mark(pixel_index(), 1u); sum = vec4(read_spre
 
 @pytest.fixture
 def optional(tmp_path: Path) -> Method:
-    """A method that has a target, a buffer, a pass and half a step for diffusion alone."""
+    """A method with a target, a buffer, a pass and half a step that only diffusion needs."""
     shaders = {"gather": GATHER, "blur": BLUR, "plain": PLAIN, "diffuse": PLAIN}
     folder = write_method(tmp_path / "optional", "()", **shaders)
     (folder / "method.py").write_text(OPTIONAL)
@@ -82,25 +82,25 @@ def scene(transparent: Material, **more: Any) -> Scene:
 
 
 @pytest.mark.parametrize(
-    ("material", "called"),
+    ("material", "requested"),
     [
         (Material(), []),
         (Material(coverage=0.5), ["COVERAGE"]),
         (Material(transmission=(0.5, 0.5, 0.5)), ["COVERAGE"]),
         (Material(transmission=(0.5, 0.6, 0.5)), ["COVERAGE", "COLORED_TRANSMISSION"]),
         (Material(coverage=0.5, index=1.5, solid=True), ["COVERAGE", "REFRACTION"]),
-        # A thin sheet has two sides: what one bends, the other bends back.
+        # A thin sheet has two sides, whose refractions cancel.
         (Material(coverage=0.5, index=1.5), ["COVERAGE"]),
         (Material(coverage=0.5, collimation=0.9), ["COVERAGE", "DIFFUSION"]),
-        # Nothing passes an opaque surface, so that it can neither bend nor spread light.
+        # No light passes an opaque surface, so that it neither refracts nor spreads light.
         (Material(index=1.5, collimation=0.5), []),
     ],
 )
-def test_materials_call_for_effects(material: Material, called: list[str]) -> None:
-    assert names(scene(material).effects) == called
+def test_materials_request_effects(material: Material, requested: list[str]) -> None:
+    assert names(scene(material).effects) == requested
 
 
-def test_lights_call_for_shadows_of_what_is_there() -> None:
+def test_lights_request_the_shadows_of_the_objects_in_the_scene() -> None:
     sun = (DirectionalLight((0.0, -1.0, 0.0)),)
     grey, red = (
         Material(coverage=0.5),
@@ -114,7 +114,7 @@ def test_lights_call_for_shadows_of_what_is_there() -> None:
     assert names(scene(grey, lights=(EnvironmentLight(),)).effects) == ["COVERAGE"]
 
 
-def test_fog_and_foliage_call_for_their_effects() -> None:
+def test_fog_and_foliage_request_their_effects() -> None:
     leaf = Material(coverage=0.5, binary_coverage=True)
     fog = Medium(0.1, (-1, -1, -3), (1, 1, 0))
     assert Effect.VOLUME in scene(leaf, medium=fog).effects
@@ -122,12 +122,12 @@ def test_fog_and_foliage_call_for_their_effects() -> None:
     assert Effect.INFERRED_AO not in scene(leaf).effects
 
 
-def test_lists_call_for_color_if_one_fragment_is_tinted() -> None:
+def test_lists_request_color_if_one_fragment_is_tinted() -> None:
     assert names(scene_of(random_lists(2)).effects) == ["COVERAGE"]
     assert "COLORED_TRANSMISSION" in names(scene_of(random_lists(2, tinted=True)).effects)
 
 
-def test_an_uncalled_effect_leaves_nothing_behind(device: Device, optional: Method) -> None:
+def test_an_effect_that_is_not_rendered_costs_nothing(device: Device, optional: Method) -> None:
     device.programs.clear()
     lists = scene_of(stack([Layer(2, 0.5)]))
     with opened(device, lists, optional, effects=Effect.COVERAGE) as frame:
@@ -139,7 +139,7 @@ def test_an_uncalled_effect_leaves_nothing_behind(device: Device, optional: Meth
         assert "out float spread" not in sources
 
 
-def test_a_called_effect_brings_all_that_it_needs(device: Device, optional: Method) -> None:
+def test_a_rendered_effect_has_all_its_resources(device: Device, optional: Method) -> None:
     device.programs.clear()
     lists = scene_of(stack([Layer(2, 0.5)]))
     with opened(device, lists, optional, effects=Effect.DIFFUSION) as frame:
@@ -154,18 +154,18 @@ def test_a_called_effect_brings_all_that_it_needs(device: Device, optional: Meth
 @pytest.mark.parametrize("name", collection().methods)
 def test_forcing_every_effect_changes_no_pixel(device: Device, name: str) -> None:
     lists, chosen = random_lists(6), method(name)
-    called = render(device, lists, chosen)
+    requested = render(device, lists, chosen)
     forced = render(device, lists, chosen, effects=~Effect.NONE & chosen.shows)
-    np.testing.assert_array_equal(called, forced)
+    np.testing.assert_array_equal(requested, forced)
 
 
 def test_effects_are_chosen_by_name() -> None:
-    called = Effect.COVERAGE | Effect.DIFFUSION | Effect.REFRACTION
-    assert choose_effects("requested", called) == called
-    assert choose_effects("none", called) is Effect.NONE
-    assert all(effect in choose_effects("all", called) for effect in Effect)
-    assert choose_effects("-diffusion, -refraction", called) == Effect.COVERAGE
+    requested = Effect.COVERAGE | Effect.DIFFUSION | Effect.REFRACTION
+    assert choose_effects("requested", requested) == requested
+    assert choose_effects("none", requested) is Effect.NONE
+    assert all(effect in choose_effects("all", requested) for effect in Effect)
+    assert choose_effects("-diffusion, -refraction", requested) == Effect.COVERAGE
     with pytest.raises(UsageError, match="unknown effect 'difusion'; did you mean diffusion"):
-        choose_effects("-difusion", called)
+        choose_effects("-difusion", requested)
     with pytest.raises(UsageError, match="give requested, all, none, or -NAME"):
-        choose_effects("diffusion", called)
+        choose_effects("diffusion", requested)

@@ -1,4 +1,4 @@
-"""The filter that both renderers share."""
+"""The texture filter that both renderers share."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ def test_a_plain_material_has_no_pyramid() -> None:
     assert premultiplied_pyramid(Material(0.5, emission=(1, 2, 3))) is None
 
 
-def test_levels_halve_down_to_one_texel_also_for_wide_textures() -> None:
+def test_levels_halve_down_to_one_texel_even_for_wide_textures() -> None:
     pyramid = premultiplied_pyramid(Material(_random(2, 16)))
     assert pyramid is not None
     assert [level.shape for level in pyramid] == [
@@ -40,7 +40,7 @@ def test_emission_is_premultiplied_before_it_is_filtered() -> None:
     np.testing.assert_allclose(pyramid[-1][0, 0, 3], coverage.texels.mean(), rtol=1e-6)
 
 
-def test_what_is_no_texture_fills_the_image() -> None:
+def test_a_constant_fills_the_image() -> None:
     from_coverage = premultiplied_pyramid(Material(_random(2, 2), emission=(1, 2, 3)))
     from_emission = premultiplied_pyramid(Material(0.25, emission=_random(2, 2, 3)))
     assert from_coverage is not None

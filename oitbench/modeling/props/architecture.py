@@ -1,48 +1,23 @@
-"""Parts of buildings and streets: columns, arched walls, street lamps and lettering.
+"""Parts of buildings and streets: columns, arched walls and street lamps.
 
-Metres, y up. What stands, stands at the origin; walls lie in the xy plane, centered on it.
+Meters, y up. Free-standing parts stand on y = 0 at the origin. Walls are parallel to the xy plane
+and centered on it.
 """
 
 from __future__ import annotations
 
-import itertools
 import math
-from collections.abc import Sequence
 
 import numpy as np
-import numpy.typing as npt
 
-from oitbench.modeling.mesh import (
-    box,
-    divisions,
-    grid,
-    lathe,
-    merge,
-    scatter,
-    smooth_curve,
-    sphere,
-    transform,
-    translation,
-)
-from oitbench.scene import RGB, Mesh
+from oitbench.modeling.detail import divisions
+from oitbench.modeling.mesh import box, lathe, sphere
+from oitbench.modeling.placement import merge, transform, translation
+from oitbench.modeling.profiles import smooth_curve
+from oitbench.scene import Floats, Mesh, Vector
 
-Floats = npt.NDArray[np.float64]
-
-# Strokes of letters in a cell one wide and two high, without the width of the pen.
-GLYPHS: dict[str, tuple[tuple[tuple[float, float], ...], ...]] = {
-    "A": (((0, 0), (0.5, 2), (1, 0)), ((0.2, 0.75), (0.8, 0.75))),
-    "E": (((1, 0), (0, 0), (0, 2), (1, 2)), ((0, 1), (0.8, 1))),
-    "I": (((0.5, 0), (0.5, 2)),),
-    "P": (((0, 0), (0, 2), (0.7, 2), (1, 1.7), (1, 1.3), (0.7, 1), (0, 1)),),
-    "R": (((0, 0), (0, 2), (0.7, 2), (1, 1.7), (1, 1.3), (0.7, 1), (0, 1)), ((0.5, 1), (1, 0))),
-    "T": (((0.5, 0), (0.5, 2)), ((0, 2), (1, 2))),
-    "V": (((0, 2), (0.5, 0), (1, 2)),),
-    "Y": (((0, 2), (0.5, 1), (1, 2)), ((0.5, 1), (0.5, 0))),
-}
 HALVES = ((0, 1, 2), (0, 2, 3))
 """The two triangles of a quadrilateral."""
-LETTER_PITCH = 1.6
-"""From the left edge of one letter to that of the next, in widths of a letter."""
 
 
 def column(height: float, radius: float, detail: float) -> Mesh:
@@ -51,9 +26,9 @@ def column(height: float, radius: float, detail: float) -> Mesh:
     Parameters
     ----------
     height : float
-        From the floor to the top of the capital, metres.
+        From the floor to the top of the capital, meters.
     radius : float
-        Of the shaft at its foot, metres; the base is three of them wide.
+        Radius of the shaft at its foot, meters. The base is three times as wide.
     detail : float
         Factor on the number of triangles.
     """
@@ -74,20 +49,20 @@ def column(height: float, radius: float, detail: float) -> Mesh:
 
 
 def arch(width: float, opening: float, height: float, depth: float, segments: int) -> Mesh:
-    """Return a bay of wall on a round arch that springs from y = 0, open below.
+    """Return a bay of a wall above a round arch that springs from y = 0, open below.
 
     Parameters
     ----------
     width, height, depth : float
-        Of the bay, metres.
+        Size of the bay, meters.
     opening : float
-        Diameter of the arch, metres, below `width` and twice `height`.
+        Diameter of the arch in meters, below `width` and twice `height`.
     segments : int
         Divisions of the arch.
     """
     inner, outer = _arc(width / 2, opening / 2, height, segments)
     ends = np.array([[width / 2, 0.0]]), np.array([[-width / 2, 0.0]])
-    # The arch runs on along the springing line to the neighboring bays.
+    # The lower face continues along the springing line to the neighboring bays.
     return _pierced(
         np.concatenate([ends[0], inner, ends[1]]), np.concatenate([ends[0], outer, ends[1]]), depth
     )
@@ -102,16 +77,16 @@ def window_wall(
     spring: float,
     segments: int,
 ) -> Mesh:
-    """Return a bay of wall on y = 0 with one round-headed window.
+    """Return a bay of a wall that stands on y = 0 and has one round-headed window.
 
     Parameters
     ----------
     width, height, depth : float
-        Of the bay, metres.
+        Size of the bay, meters.
     opening : float
-        Width of the window, metres.
+        Width of the window, meters.
     sill, spring : float
-        Heights at which the window begins and at which its round head does, metres.
+        Heights of the lower edge of the window and of the start of its round head, meters.
     segments : int
         Divisions of the head.
     """
@@ -128,10 +103,13 @@ def window_wall(
 
 
 def _arc(side: float, radius: float, height: float, segments: int) -> tuple[Floats, Floats]:
-    """Return a half circle, from right to left, and where its rays meet the edge of the bay."""
+    """Return points of a half circle, from right to left, and their projections on the bay's edge.
+
+    The projection is from the center of the circle.
+    """
     corner = math.atan2(height, side)
     angles = np.linspace(0, math.pi, segments + 1)
-    # The edge has its corners only if two of the rays go there.
+    # Two of the rays must go to the corners of the edge, or they would be cut off.
     angles = np.unique(np.concatenate([angles, [corner, math.pi - corner]]))
     rays = np.stack([np.cos(angles), np.sin(angles)], axis=1)
     rays[[0, -1], 1] = 0.0
@@ -140,7 +118,10 @@ def _arc(side: float, radius: float, height: float, segments: int) -> tuple[Floa
 
 
 def _pierced(inner: Floats, outer: Floats, depth: float) -> Mesh:
-    """Return the two faces between polygons of as many points, and the reveal along `inner`."""
+    """Return a pierced wall: both faces between two polygons, and the reveal along `inner`.
+
+    The polygons have equally many points.
+    """
     across = np.stack([inner, outer], axis=1)
     faces = [_facets(_at(across, depth / 2)), _facets(_at(across[:, ::-1], -depth / 2))]
     reveal = np.stack([_at(inner, -depth / 2), _at(inner, depth / 2)], axis=1)
@@ -148,33 +129,41 @@ def _pierced(inner: Floats, outer: Floats, depth: float) -> Mesh:
 
 
 def _at(points: Floats, z: float) -> Floats:
+    """Return points (x, y) in the plane z."""
     return np.concatenate([points, np.full((*points.shape[:-1], 1), z)], axis=-1)
 
 
 def _facets(rungs: Floats) -> Mesh:
-    """Return flat quadrilaterals between successive rungs, shape (n, 2, 3), without empty ones."""
+    """Return flat quadrilaterals between successive rungs, shape (n, 2, 3), except empty ones."""
     corners = np.concatenate([rungs[:-1], rungs[1:, ::-1]], axis=1)
     diagonals = corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1]
     normals = np.cross(*diagonals)
     area = np.linalg.norm(normals, axis=1)
     corners, normals = corners[area > 0], (normals / np.maximum(area, 1e-12)[:, None])[area > 0]
     starts = 4 * np.arange(len(corners))[:, None]
-    triangles = np.concatenate([starts + np.array(half) for half in HALVES]).astype(np.uint32)
+    triangles = np.concatenate([starts + np.array(half) for half in HALVES])
     positions = corners.reshape(-1, 3).astype(np.float32)
     first, second, third = positions[triangles].swapaxes(0, 1)
     whole = np.cross(second - first, third - first).any(axis=1)
-    return Mesh(
+    return Mesh.from_arrays(
         positions,
         triangles[whole],
-        uvs=np.tile(np.array([[0, 0], [1, 0], [1, 1], [0, 1]], np.float32), (len(corners), 1)),
-        normals=np.repeat(normals, 4, axis=0).astype(np.float32),
+        uvs=np.tile([[0, 0], [1, 0], [1, 1], [0, 1]], (len(corners), 1)),
+        normals=np.repeat(normals, 4, axis=0),
     )
 
 
 def lamp_post(height: float, arm: float, detail: float) -> Mesh:
-    """Return a street lamp without its bulb: a post with an arm along +x and a shade at its end.
+    """Return a street lamp without its bulb: a post, an arm along +x and a shade at its end.
 
-    The shade opens downwards; its rim is at y = `height`, above the point (`arm`, 0).
+    Parameters
+    ----------
+    height : float
+        Height of the rim of the shade, which opens downwards, meters.
+    arm : float
+        Distance from the post to the middle of the shade, meters.
+    detail : float
+        Factor on the number of triangles.
     """
     slices = divisions(16, detail, 6)
     corners = [(0.0, 0.0), (0.16, 0.0), (0.16, 0.25), (0.07, 0.40), (0.05, 1.2)]
@@ -189,66 +178,6 @@ def lamp_post(height: float, arm: float, detail: float) -> Mesh:
     return merge([post, beam, hood])
 
 
-def globe(center: RGB, radius: float, detail: float) -> Mesh:
-    """Return a round bulb."""
+def globe(center: Vector, radius: float, detail: float) -> Mesh:
+    """Return a round bulb; `center` and `radius` are in meters."""
     return sphere(center, radius, divisions(20, detail, 8), divisions(12, detail, 6))
-
-
-def lettering(text: str, center: RGB, height: float, pen: float) -> Mesh:
-    """Return letters of flat strokes that face +z and read along +x.
-
-    Parameters
-    ----------
-    text : str
-        Of the letters in `GLYPHS`, and blanks.
-    center : RGB
-        Middle of the line of text, metres.
-    height : float
-        Of the letters, metres.
-    pen : float
-        Width of the strokes, metres.
-
-    Raises
-    ------
-    ValueError
-        For a letter that has no glyph.
-    """
-    missing = sorted(set(text) - set(GLYPHS) - {" "})
-    if missing:
-        raise ValueError(f"lettering: there is no glyph for {' '.join(missing)}")
-    scale = (height - pen) / 2
-    left = -scale * (LETTER_PITCH * (len(text) - 1) + 1) / 2
-    strokes: list[Mesh] = []
-    for place, letter in enumerate(text):
-        origin = np.array([left + scale * LETTER_PITCH * place, -scale])
-        for line in GLYPHS.get(letter, ()):
-            strokes += _strokes(origin + scale * np.asarray(line), pen)
-    return transform(merge(strokes), translation(center))
-
-
-def _strokes(line: Floats, pen: float) -> list[Mesh]:
-    """Return a rectangle for each edge of `line`, half a pen's width longer at both ends."""
-    meshes = []
-    for start, end in itertools.pairwise(line):
-        along = (end - start) / np.linalg.norm(end - start)
-        reach = np.linalg.norm(end - start) / 2 + pen / 2
-        x, y = (start + end) / 2
-        right = (float(reach * along[0]), float(reach * along[1]), 0.0)
-        up = (float(-pen / 2 * along[1]), float(pen / 2 * along[0]), 0.0)
-        meshes.append(grid((float(x), float(y), 0.0), right, up))
-    return meshes
-
-
-def slab(low: RGB, high: RGB, cells: int = 1) -> Mesh:
-    """Return the axis-aligned box between two corners."""
-    first, last = np.asarray(low), np.asarray(high)
-    x, y, z = (first + last) / 2
-    width, height, depth = last - first
-    return box((float(x), float(y), float(z)), (float(width), float(height), float(depth)), cells)
-
-
-def repeated(mesh: Mesh, offsets: Sequence[RGB]) -> Mesh:
-    """Return one mesh with a copy of `mesh` shifted by each of `offsets`, in metres."""
-    placements = np.tile(np.eye(4)[:3], (len(offsets), 1, 1))
-    placements[:, :, 3] = offsets
-    return scatter(mesh, placements)

@@ -1,7 +1,7 @@
-"""The six chess men, each one closed solid: turned, and lofted where they are not round.
+"""The six chess pieces, each one closed solid: turned, and lofted where it is not round.
 
-Men are as tall as the king is in units of 1, stand on y = 0 round the y axis and face +x. Their
-proportions follow the pattern that Staunton's set of 1849 made common.
+A piece stands on y = 0 about the y axis and faces +x. The unit of length is the height of the king.
+The proportions follow the pattern of the Staunton set of 1849.
 """
 
 from __future__ import annotations
@@ -10,17 +10,18 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from oitbench.modeling.baking import Floats
-from oitbench.modeling.mesh import divisions, scaling, smooth_curve, transform
-from oitbench.modeling.solids import Corner, closed, loft, outline, turned
+from oitbench.modeling.detail import divisions
+from oitbench.modeling.placement import scaling, transform
+from oitbench.modeling.profiles import Corner, outline, smooth_curve
+from oitbench.modeling.solids import closed, loft, round_rings, turned
 from oitbench.scene import Mesh
 
 SLICES = 24
-"""Divisions of a man round his axis at detail 1."""
+"""Divisions of a piece about its axis at detail 1."""
 NOTCHES = 5
-"""Gaps between the merlons of a rook."""
+"""Notches in the battlement of a rook."""
 
-# (radius, height, fillet). The foot is common to all, in units of its own radius.
+# Corners (radius, height, fillet). All pieces have the same foot, in units of its own radius.
 _FOOT: tuple[Corner, ...] = (
     (0.0, 0.0, 0.0),
     (1.0, 0.0, 0.03),
@@ -88,7 +89,7 @@ _KING: tuple[Corner, ...] = (
     (0.110, 0.850, 0.030),
     (0.030, 0.868, 0.010),
 )
-# Half the width along x and along z at each height: a cross paty on top of the king.
+# The cross of the king: half its width along x and along z at each height.
 _CROSS = np.array(
     [
         (0.022, 0.020, 0.880),
@@ -104,7 +105,7 @@ _CROSS = np.array(
         (0.000, 0.000, 1.000),
     ]
 )
-# Back (x, y), front (x, y) and half the width of a horse's neck and head, from below to the muzzle.
+# Rings of the knight from the neck to the muzzle: back (x, y), front (x, y), half the width.
 _HORSE = np.array(
     [
         (-0.105, 0.235, 0.110, 0.235, 0.100),
@@ -130,23 +131,23 @@ _HORSE = np.array(
 
 def pawn(detail: float) -> Mesh:
     """Return a pawn."""
-    return _man(0.150, _PAWN, detail)
+    return _turned_piece(0.150, _PAWN, detail)
 
 
 def bishop(detail: float) -> Mesh:
-    """Return a bishop with his miter."""
-    return _man(0.168, _BISHOP, detail)
+    """Return a bishop with a miter."""
+    return _turned_piece(0.168, _BISHOP, detail)
 
 
 def queen(detail: float) -> Mesh:
-    """Return a queen with her crown."""
-    return _man(0.188, _QUEEN, detail)
+    """Return a queen with a crown."""
+    return _turned_piece(0.188, _QUEEN, detail)
 
 
 def rook(detail: float) -> Mesh:
-    """Return a rook, whose battlement has `NOTCHES` gaps."""
+    """Return a rook with a battlement that has `NOTCHES` notches."""
     profile = outline(_corners(0.172, _ROOK), detail)
-    # Whole slices to each notch and merlon, so that the gaps are all alike.
+    # A whole number of slices for each notch and merlon makes all notches alike.
     slices = NOTCHES * 2 * divisions(3, detail)
     angle = np.arange(slices) / slices * 2 * np.pi
     radius, height = np.broadcast_to(profile.T[:, :, None], (2, len(profile), slices))
@@ -159,21 +160,21 @@ def rook(detail: float) -> Mesh:
 
 
 def king(detail: float) -> Mesh:
-    """Return a king with a cross on his crown."""
-    body = _rings(outline(_corners(0.195, (*_KING, (0.022, 0.880, 0.0))), detail))
+    """Return a king with a cross on the crown."""
+    body = round_rings(outline(_corners(0.195, (*_KING, (0.022, 0.880, 0.0))), detail))
     wide, thick, height = _CROSS[1:].T
     cross = np.stack([-wide, height, wide, height, thick], axis=1)
     return loft(np.concatenate([body, cross]), divisions(SLICES, detail, 8))
 
 
 def knight(detail: float) -> Mesh:
-    """Return a knight: a horse's head, lofted along the neck to the muzzle."""
-    foot = _rings(outline((*_corners(0.172, ()), (0.105, 0.225, 0.0)), detail))
+    """Return a knight: a horse's neck and head, lofted from the foot to the muzzle."""
+    foot = round_rings(outline((*_corners(0.172, ()), (0.105, 0.225, 0.0)), detail))
     head = smooth_curve(_HORSE, divisions(30, detail, 12))
     return loft(np.concatenate([foot, head]), divisions(SLICES, detail, 8))
 
 
-MEN: dict[str, Callable[[float], Mesh]] = {
+PIECES: dict[str, Callable[[float], Mesh]] = {
     "pawn": pawn,
     "rook": rook,
     "knight": knight,
@@ -183,31 +184,27 @@ MEN: dict[str, Callable[[float], Mesh]] = {
 }
 
 
-def man(name: str, king_height: float, detail: float) -> Mesh:
-    """Return the man of this name in a set whose king is `king_height` metres tall.
+def piece(name: str, king_height: float, detail: float) -> Mesh:
+    """Return a piece of a set whose king is `king_height` meters tall.
 
     Parameters
     ----------
     name : str
-        One of `MEN`.
+        One of `PIECES`.
     king_height : float
-        Metres.
+        Meters.
     detail : float
-        Factor on the number of triangles; about 1500 a man at detail 1.
+        Factor on the number of triangles; about 1500 per piece at detail 1.
     """
-    return transform(MEN[name](detail), scaling((king_height, king_height, king_height)))
+    return transform(PIECES[name](detail), scaling((king_height, king_height, king_height)))
 
 
-def _man(width: float, body: Sequence[Corner], detail: float) -> Mesh:
+def _turned_piece(width: float, body: Sequence[Corner], detail: float) -> Mesh:
+    """Return a round piece with a foot of radius `width`."""
     return turned(outline(_corners(width, body), detail), divisions(SLICES, detail, 8))
 
 
 def _corners(width: float, body: Sequence[Corner]) -> tuple[Corner, ...]:
-    """Return the common foot of this radius with a body on top."""
+    """Return the outline of a foot of radius `width` with a body on top."""
     foot: list[Corner] = [(width * r, width * h, width * f) for r, h, f in _FOOT]
     return (*foot, *body)
-
-
-def _rings(profile: Floats) -> Floats:
-    radius, height = profile.T
-    return np.stack([-radius, height, radius, height, radius], axis=1)

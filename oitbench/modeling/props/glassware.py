@@ -1,6 +1,6 @@
-"""Drinking glasses, what is poured into them, and ice: each one closed solid.
+"""Drinking glasses, the drinks in them, and ice: each one closed solid.
 
-Metres; everything stands on y = 0 round the y axis.
+Meters. Glasses stand on y = 0 about the y axis.
 """
 
 from __future__ import annotations
@@ -9,51 +9,49 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from oitbench.modeling.mesh import box, divisions
-from oitbench.modeling.solids import Corner, outline, turned
-from oitbench.scene import RGB, Mesh
+from oitbench.modeling.detail import divisions
+from oitbench.modeling.mesh import box
+from oitbench.modeling.profiles import Corner, inset, outline
+from oitbench.modeling.solids import turned
+from oitbench.scene import Mesh, Vector
 
 SLICES = 56
-"""Divisions of a glass round its axis at detail 1."""
+"""Divisions of a glass about its axis at detail 1."""
 
 
 @dataclass(frozen=True)
 class Vessel:
-    """A drinking glass by the outlines of its two sides.
+    """A drinking glass, given by the outlines of the two sides of its wall.
 
     Parameters
     ----------
     outside : tuple of Corner
         From the middle of the foot up to the rim.
     inside : tuple of Corner
-        From the rim down to the middle of the bottom within; it ends on the axis.
+        From the rim down to the middle of the bottom on the inside, where it ends on the axis.
     """
 
     outside: tuple[Corner, ...]
     inside: tuple[Corner, ...]
 
     def glass(self, detail: float) -> Mesh:
-        """Return the wall, both sides of it, as one closed solid."""
+        """Return both sides of the wall as one closed solid."""
         profile = outline(self.outside + self.inside, detail)
         return turned(profile, divisions(SLICES, detail, 8))
 
     def filling(self, level: float, gap: float, detail: float) -> Mesh:
-        """Return a drink up to `level` that keeps `gap` from the glass, as a closed solid.
+        """Return the drink in the glass as a closed solid.
 
         Parameters
         ----------
         level : float
-            Height of its surface in metres, within the straight part of the wall.
+            Height of the drink's surface in meters, within the straight part of the wall.
         gap : float
-            Metres of air, so that no two surfaces coincide.
+            Air between drink and glass in meters, so that no two surfaces coincide.
         detail : float
             Factor on the number of triangles.
         """
-        wall = outline(self.inside[::-1], detail)
-        tangent = np.gradient(wall, axis=0)
-        inward = np.stack([-tangent[:, 1], tangent[:, 0]], axis=1)
-        wall = wall + gap * inward / np.linalg.norm(inward, axis=1, keepdims=True)
-        wall[0, 0] = 0.0
+        wall = inset(outline(self.inside[::-1], detail), gap)
         radius = float(np.interp(level, wall[:, 1], wall[:, 0]))
         edge = 2 * gap
         below: list[Corner] = [(r, h, 0.0) for r, h in wall if h < level - 2 * edge]
@@ -69,10 +67,11 @@ def tumbler(foot: float, rim: float, height: float, wall: float, bottom: float) 
     Parameters
     ----------
     foot, rim : float
-        Outer radii at its two ends, metres.
+        Outer radii at its two ends, meters.
     height : float
+        Meters.
     wall, bottom : float
-        Thickness of the side and of the bottom, metres.
+        Thickness of the side and of the bottom, meters.
     """
     within = foot + (rim - foot) * bottom / height - wall
     return Vessel(
@@ -86,16 +85,16 @@ def tumbler(foot: float, rim: float, height: float, wall: float, bottom: float) 
 
 
 def wine_glass(bowl: float, height: float, wall: float) -> Vessel:
-    """Return a stemmed glass with a bowl of outer radius `bowl`, metres.
+    """Return a stemmed glass.
 
     Parameters
     ----------
     bowl : float
-        Widest outer radius; the foot is as wide.
+        Largest outer radius of the bowl, meters; the radius of the foot is 0.95 of it.
     height : float
-        From the foot to the rim.
+        From the foot to the rim, meters.
     wall : float
-        Thickness of the bowl.
+        Thickness of the bowl, meters.
     """
     deep, stem, rim = 0.44 * height, 0.10 * bowl, 0.80 * bowl
     within = bowl - wall
@@ -117,29 +116,29 @@ def wine_glass(bowl: float, height: float, wall: float) -> Vessel:
     )
 
 
-def ice_cube(size: RGB, rounding: float, detail: float) -> Mesh:
-    """Return a box round the origin whose edges and corners are rounded.
+def ice_cube(size: Vector, rounding: float, detail: float) -> Mesh:
+    """Return a box about the origin with rounded edges and corners.
 
     Parameters
     ----------
-    size : RGB
-        Edge lengths along x, y and z, metres.
+    size : Vector
+        Edge lengths along x, y and z, meters.
     rounding : float
-        Radius of the edges, below half the shortest edge, metres.
+        Radius of the rounding in meters, below half the shortest edge length.
     detail : float
         Factor on the number of triangles.
     """
     cells = divisions(6, detail, 2) * 2
-    # Whole numbers, so that faces agree on their common edges exactly.
+    # Whole numbers make faces agree exactly on their common edges.
     step = box((0, 0, 0), (cells, cells, cells), cells).positions.astype(np.float64)
     triangles = box((0, 0, 0), (1, 1, 1), cells).triangles
     half = np.asarray(size) / 2
     core = half - rounding
-    # Half of the steps are spent on the rounded rims, each of which turns by 45°.
+    # Half of the steps are on the rounded rims, each of which turns by 45°.
     along = 2 * np.abs(step) / cells
     flat = np.minimum(2 * along, 1.0) * core
     rim = np.maximum(2 * along - 1, 0.0)
     bulge = np.sign(step) * np.tan(rim * np.pi / 4)
     normals = bulge / np.linalg.norm(bulge, axis=1, keepdims=True)
     positions = np.sign(step) * flat + rounding * normals
-    return Mesh(positions.astype(np.float32), triangles, normals=normals.astype(np.float32))
+    return Mesh.from_arrays(positions, triangles, normals=normals)

@@ -1,6 +1,7 @@
-"""Plants of leaf cards: bent quads whose outlines are masks.
+"""Plants of leaf cards: folded quadrilaterals whose coverage is the shape of a leaf.
 
-A mask is 0 or 1 but for the averaging of its subsamples, and so is a leaf's coverage.
+The coverage of a texel is the average of subsamples that are 0 or 1. A new leaf is a function of x
+and y that is positive inside its shape.
 """
 
 from __future__ import annotations
@@ -10,67 +11,78 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
+import numpy.typing as npt
 
-from oitbench.modeling.baking import Floats
-from oitbench.modeling.mesh import frames, grid, merge
-from oitbench.scene import RGB, Mesh, Texture
+from oitbench.modeling.detail import copies, enlargement
+from oitbench.modeling.mesh import grid
+from oitbench.modeling.placement import frames, merge, random_directions
+from oitbench.scene import RGB, Floats, Mesh, Texture, Vector, unit
 
-TEXTURE_SIDE, BORDER = 128, 4
-"""Texels along a side of a mask, and how many of them at its edge stay empty."""
+Shape = Callable[[Floats, Floats], Floats]
+"""A function of x and y in [−1, 1] that is positive inside a leaf, with the tip at y = 1."""
+TEXTURE_SIDE = 128
+"""Texels along a side of a mask."""
+BORDER = 4
+"""Empty texels along each edge of a mask."""
 _SUBSAMPLES = 4
-# How far the halves of a leaf fold up along its midrib, and how much its tip bends down.
+# Slope of the two halves of a leaf from its midrib upwards, and how far its tip bends down.
 _FOLD, _BEND = 0.45, 0.22
 
 
 def ovate(x: Floats, y: Floats) -> Floats:
-    """Return > 0 inside an egg-shaped leaf with a pointed tip; x and y run over [−1, 1]."""
+    """Return the shape of an egg-shaped leaf with a pointed tip."""
     along = np.clip(0.5 + 0.5 * y, 0, 1)
     return np.asarray(1.35 * along**0.62 * (1 - along) ** 0.75 - np.abs(x))
 
 
 def lance(x: Floats, y: Floats) -> Floats:
-    """Return > 0 inside a slender leaf, pointed at both ends."""
+    """Return the shape of a slender leaf that is pointed at both ends."""
     return np.asarray(0.9 * np.cos(0.5 * math.pi * np.clip(y, -1, 1)) ** 1.2 - np.abs(x))
 
 
 def lobed(x: Floats, y: Floats) -> Floats:
-    """Return > 0 inside a five-lobed leaf like that of ivy, with its stalk at the bottom."""
+    """Return the shape of a five-lobed leaf, like that of ivy."""
     angle = np.arctan2(x, y + 0.25)
     reach = 0.72 + 0.16 * np.cos(5 * angle) + 0.17 * np.cos(angle)
     return np.asarray(np.where(y > -1, reach - np.hypot(x, y + 0.25), -1))
 
 
 def blossom(x: Floats, y: Floats) -> Floats:
-    """Return > 0 inside a flower of five round petals."""
+    """Return the shape of a flower of five round petals."""
     return np.asarray(0.74 + 0.24 * np.cos(5 * np.arctan2(x, y)) - np.hypot(x, y))
 
 
-@dataclass(frozen=True)
-class Plant:
-    """A cloud of leaves in an ellipsoid of half axes `size` round `center`, in metres.
+def trefoil(x: Floats, y: Floats) -> Floats:
+    """Return the shape of three pointed leaves on one stalk."""
+    shape = np.full_like(x, -1.0)
+    for angle in (-1.0, 0.0, 1.0):
+        along = math.sin(angle) * x + math.cos(angle) * (y + 0.7)
+        across = math.cos(angle) * x - math.sin(angle) * (y + 0.7)
+        half = 0.36 * np.sin(np.clip(along / 1.5, 0, 1) * math.pi) ** 0.8
+        leaf = np.where((along > 0) & (along < 1.5), half - np.abs(across), -1.0)
+        shape = np.maximum(shape, leaf)
+    return shape
 
-    `leaf` is half the width and half the length of a card, `hollow` the innermost place of a leaf
-    as a fraction of the ellipsoid, and `droop` how strongly the tips hang.
+
+def leaf_mask(
+    shape: Shape, side: int = TEXTURE_SIDE, edge: float = 1 / (1 - 2 * BORDER / TEXTURE_SIDE)
+) -> Texture:
+    """Return the coverage of a leaf: its shape, averaged from subsamples, inside an empty border.
+
+    Parameters
+    ----------
+    shape : Shape
+    side : int
+        Width and height in texels, a power of two.
+    edge : float
+        The shape's coordinate at the edge of the texture, above 1. The default leaves `BORDER` of
+        `TEXTURE_SIDE` texels empty.
     """
-
-    name: str
-    center: RGB
-    size: RGB
-    mask: Callable[[Floats, Floats], Floats]
-    leaf: tuple[float, float]
-    count: int
-    colors: tuple[RGB, ...]
-    hollow: float = 0.5
-    droop: float = 0.4
-
-
-def mask_of(plant: Plant) -> Texture:
-    """Return the leaf's outline, averaged from subsamples, inside an empty border."""
-    side = TEXTURE_SIDE * _SUBSAMPLES
-    line = ((np.arange(side) + 0.5) / side * 2 - 1) / (1 - 2 * BORDER / TEXTURE_SIDE)
+    samples = side * _SUBSAMPLES
+    line = ((np.arange(samples) + 0.5) / samples * 2 - 1) * edge
     x, y = np.meshgrid(line, line[::-1])
-    inside = (plant.mask(x, y) > 0) & (np.maximum(np.abs(x), np.abs(y)) <= 1)
-    blocks = inside.reshape(TEXTURE_SIDE, _SUBSAMPLES, TEXTURE_SIDE, _SUBSAMPLES)
+    inside = (shape(x, y) > 0) & (np.maximum(np.abs(x), np.abs(y)) <= 1)
+    blocks = inside.reshape(side, _SUBSAMPLES, side, _SUBSAMPLES)
     return Texture(blocks.mean(axis=(1, 3)).astype(np.float32))
 
 
@@ -88,11 +100,77 @@ def leaf_card() -> Mesh:
     return merge(halves)
 
 
+def card_frames(
+    centers: npt.ArrayLike,
+    tips: Floats,
+    uppers: Floats,
+    width: npt.ArrayLike,
+    length: npt.ArrayLike,
+) -> Floats:
+    """Return the frames of cards, for `placement.scatter`.
+
+    Parameters
+    ----------
+    centers : array, shape (n, 3)
+        Meters.
+    tips : array, shape (n, 3)
+        Directions from the stalks to the tips; need not have unit length.
+    uppers : array, shape (n, 3)
+        Directions of the upper sides; need not be perpendicular to `tips`.
+    width, length : float or array, shape (n, 1)
+        Half the width and half the length of the cards, meters.
+    """
+    tips = unit(tips)
+    rights = unit(np.cross(tips, uppers))
+    return frames(centers, np.asarray(width) * rights, np.asarray(length) * tips)
+
+
+@dataclass(frozen=True)
+class Plant:
+    """A cloud of leaves in an ellipsoid.
+
+    Parameters
+    ----------
+    name : str
+    center, size : Vector
+        Center and half axes of the ellipsoid, meters.
+    shape : Shape
+        Shape of a leaf.
+    leaf : tuple of float
+        Half the width and half the length of a card, meters.
+    count : int
+        Number of leaves at detail 1.
+    colors : tuple of RGB
+        Ramp of the leaves' albedo.
+    hollow : float
+        Radius, as a fraction of the ellipsoid's, within which there are no leaves.
+    droop : float
+        How strongly the tips hang down; negative for tips that point up.
+    """
+
+    name: str
+    center: Vector
+    size: Vector
+    shape: Shape
+    leaf: tuple[float, float]
+    count: int
+    colors: tuple[RGB, ...]
+    hollow: float = 0.5
+    droop: float = 0.4
+
+
 @dataclass(frozen=True)
 class Leaves:
-    """Where a plant's leaves are: frames of cards, and places in the unit ball, shape (n, 3).
+    """The places of a plant's leaves.
 
-    `shades` are places on the ramp of the plant's colors, in [0, 1].
+    Parameters
+    ----------
+    placements : array, shape (n, 3, 4)
+        Frames of the cards.
+    places : array, shape (n, 3)
+        Positions of the leaves if the ellipsoid were the unit ball.
+    shades : array, shape (n,)
+        Positions on the ramp of the plant's colors, in [0, 1].
     """
 
     placements: Floats
@@ -101,21 +179,19 @@ class Leaves:
 
 
 def place_leaves(plant: Plant, random: np.random.Generator, detail: float) -> Leaves:
-    """Place the plant's leaves: tips outwards and drooping, upper sides towards the sky."""
-    count = max(8, round(plant.count * detail))
-    outward = random.normal(size=(count, 3))
-    outward /= np.linalg.norm(outward, axis=1, keepdims=True)
+    """Place the plant's leaves: tips outwards and drooping, upper sides towards the sky.
+
+    Fewer leaves are larger, so that the plant stays as dense.
+    """
+    count = copies(plant.count, detail)
+    outward = random_directions(random, count)
     lumps = 1 + 0.10 * np.sin(outward @ np.array([4.1, 5.7, 3.2]) + 0.5)
     depth = plant.hollow + (1 - plant.hollow) * random.random(count) ** 0.6
     places = depth[:, None] * outward
     centers = np.asarray(plant.center) + np.asarray(plant.size) * places * lumps[:, None]
     tips = outward - plant.droop * np.array([0.0, 1.0, 0.0]) + 0.5 * random.normal(size=(count, 3))
-    upper = 0.6 * outward + np.array([0.0, 0.7, 0.15]) + 0.4 * random.normal(size=(count, 3))
-    tips /= np.linalg.norm(tips, axis=1, keepdims=True)
-    rights = np.cross(tips, upper)
-    rights /= np.linalg.norm(rights, axis=1, keepdims=True)
-    # Fewer leaves are larger ones, so that the plants stay as dense.
-    scale = random.uniform(0.75, 1.2, (count, 1)) * max(1.0, math.sqrt(plant.count / count))
+    uppers = 0.6 * outward + np.array([0.0, 0.7, 0.15]) + 0.4 * random.normal(size=(count, 3))
+    scale = random.uniform(0.75, 1.2, (count, 1)) * enlargement(plant.count, count)
     width, length = plant.leaf
-    placements = frames(centers, scale * width * rights, scale * length * tips)
+    placements = card_frames(centers, tips, uppers, scale * width, scale * length)
     return Leaves(placements, places, random.random(count) ** 1.3)

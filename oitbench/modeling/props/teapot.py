@@ -1,7 +1,7 @@
-"""The Utah teapot: 32 bicubic Bézier patches, turned into triangles as finely as asked.
+"""The Utah teapot: 32 bicubic Bézier patches.
 
-The body, rim, lid and bottom are surfaces of revolution, so their 24 patches follow from six
-profile curves; handle and spout are mirror images of two patches each.
+Body, rim, lid and bottom are surfaces of revolution, so that their 24 patches follow from six
+profile curves. Handle and spout are two patches each and the mirror images of these.
 
 References
 ----------
@@ -15,18 +15,18 @@ import math
 
 import numpy as np
 
-from oitbench.modeling.baking import Floats
-from oitbench.modeling.mesh import divisions
-from oitbench.scene import Mesh
+from oitbench.modeling.detail import divisions
+from oitbench.modeling.mesh import collapsed
+from oitbench.scene import Floats, Mesh, unit
 
 HEIGHT = 3.15
 """From the bottom to the top of the knob, in the units of the control points."""
 _ARC = 0.56
-"""Where the inner control points of a quarter circle lie, as a fraction of its radius."""
+"""Coordinate of the inner control points of a quarter circle, in units of its radius."""
 _INSIDE = 1e-4
-"""How far inside a patch its tangents are taken: at a pole one of them vanishes."""
+"""Distance from a patch's edge at which its normals are taken: at a pole one tangent vanishes."""
 
-# (radius, height) of the control points, outside from the top downwards.
+# Control points (radius, height) of the profiles.
 _PROFILES = np.array(
     [
         [(1.4, 2.4), (1.3375, 2.53125), (1.4375, 2.53125), (1.5, 2.4)],  # rim
@@ -37,8 +37,8 @@ _PROFILES = np.array(
         [(0.2, 2.7), (0.4, 2.55), (1.3, 2.55), (1.3, 2.4)],  # lid
     ]
 )
-# Half of each tube, from one end to the other: (x, height) on the inner and on the outer edge, and
-# half the width.
+# Control points of one half of each tube, from one end to the other: (x, height) on the inner edge,
+# (x, height) on the outer edge, and half the width.
 _TUBES = np.array(
     [
         [  # handle
@@ -72,8 +72,8 @@ _TUBES = np.array(
 def patches() -> Floats:
     """Return the control points, shape (32, 4, 4, 3), y up, with the spout along +x.
 
-    The second axis runs round the pot and the third along its profile, so that the cross product of
-    the derivatives along them points outwards.
+    The second axis of the array runs around the pot and the third along its profile. The cross
+    product of the derivatives along them points outwards.
     """
     quarter = np.array([(1, 0), (1, _ARC), (_ARC, 1), (0, 1)])
     found = []
@@ -81,7 +81,7 @@ def patches() -> Floats:
         around = quarter
         for _ in range(4):
             found.append(_ring(profile, around))
-            # A quarter turn without a rounding, so that neighbors share their edge exactly.
+            # This quarter turn does not round, so that neighbors share their edges exactly.
             around = np.stack([-around[:, 1], around[:, 0]], axis=1)
     for tube in _TUBES:
         half = np.empty((4, 4, 3))
@@ -93,19 +93,19 @@ def patches() -> Floats:
 
 
 def teapot(height: float, detail: float) -> Mesh:
-    """Return the teapot, standing on y = 0 with its axis on that of y and its spout along +x.
+    """Return the teapot, which stands on y = 0 about the y axis with its spout along +x.
 
     Parameters
     ----------
     height : float
-        From the bottom to the top of the knob, metres.
+        From the bottom to the top of the knob, meters.
     detail : float
-        Factor on the number of triangles: 4032 at detail 1.
+        Factor on the number of triangles, which is 4032 at detail 1.
 
     Returns
     -------
     Mesh
-        With smooth normals within each part. The pot is closed below; as in Newell's data its lid
+        Normals are smooth within each part. The pot is closed below. As in Newell's data, the lid
         leaves a gap inside the rim, and handle and spout reach through the wall.
     """
     cells = divisions(8, detail, 2)
@@ -115,8 +115,7 @@ def teapot(height: float, detail: float) -> Mesh:
     inside = np.clip(at, _INSIDE, 1 - _INSIDE)
     across = _evaluate(control, _slopes(inside), _bernstein(inside))
     along = _evaluate(control, _bernstein(inside), _slopes(inside))
-    normals = np.cross(across, along)
-    normals /= np.linalg.norm(normals, axis=-1, keepdims=True)
+    normals = unit(np.cross(across, along))
     row = np.arange(cells)
     corner = (row[:, None] * (cells + 1) + row).ravel()
     right, below = corner + cells + 1, corner + 1
@@ -124,17 +123,13 @@ def teapot(height: float, detail: float) -> Mesh:
     starts = np.arange(len(control))[:, None, None] * (cells + 1) ** 2
     vertices = (positions * (height / HEIGHT)).reshape(-1, 3).astype(np.float32)
     triangles = (cell + starts).reshape(-1, 3)
-    corners = vertices[triangles]
-    flat = (corners == np.roll(corners, -1, axis=1)).all(axis=2).any(axis=1)
-    return Mesh(
-        vertices,
-        triangles[~flat].astype(np.uint32),
-        normals=normals.reshape(-1, 3).astype(np.float32),
+    return Mesh.from_arrays(
+        vertices, triangles[~collapsed(vertices, triangles)], normals=normals.reshape(-1, 3)
     )
 
 
 def _ring(profile: Floats, around: Floats) -> Floats:
-    """Return the control points (4, 4, 3) of a profile swept along four points (x, z)."""
+    """Return the control points, shape (4, 4, 3), of a profile swept along four points (x, z)."""
     radial = around[:, None] * profile[None, :, :1]
     height = np.broadcast_to(profile[None, :, 1], radial.shape[:2])
     return np.stack([radial[..., 0], height, radial[..., 1]], axis=-1)

@@ -1,0 +1,165 @@
+"""What is drawn: meshes, objects of one material, and fragments without geometry."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from oitbench.scene.checks import require, require_finite
+from oitbench.scene.material import Material, Texture
+from oitbench.scene.vectors import Array
+
+
+@dataclass(frozen=True, eq=False)
+class Mesh:
+    """Indexed triangles.
+
+    Parameters
+    ----------
+    positions : array, shape (n, 3), float32
+        World positions in meters.
+    triangles : array, shape (m, 3), uint32
+        Vertex indices; counterclockwise seen from the front.
+    uvs : array, shape (n, 2), float32, optional
+        Texture coordinates.
+    radiance : array, shape (n, 3), float32, optional
+        Factor on the material's emission at each vertex, for baked shading. Default: one.
+    normals : array, shape (n, 3), float32, optional
+        Unit normals. Default: flat shading.
+
+    Raises
+    ------
+    SceneError
+        If an array has a wrong shape, a position or attribute is not finite, there is no triangle,
+        or an index is out of range.
+    """
+
+    positions: Array
+    triangles: npt.NDArray[np.uint32]
+    uvs: Array | None = None
+    radiance: Array | None = None
+    normals: Array | None = None
+
+    def __post_init__(self) -> None:
+        count = len(self.positions)
+        require(self.positions.shape == (count, 3), "mesh: positions must be (n, 3)")
+        require(self.triangles.shape[1:] == (3,), "mesh: triangles must be (m, 3)")
+        require(len(self.triangles) > 0, "mesh: it has no triangle; leave the object out")
+        last = int(self.triangles.max())
+        require(last < count, f"mesh: a triangle uses vertex {last} of {count}; count from 0")
+        for name, values, width in (
+            ("uvs", self.uvs, 2),
+            ("radiance", self.radiance, 3),
+            ("normals", self.normals, 3),
+        ):
+            require(
+                values is None or values.shape == (count, width),
+                f"mesh: {name} must be ({count}, {width})",
+            )
+        require_finite("mesh", positions=self.positions, uvs=self.uvs)
+        require_finite("mesh", radiance=self.radiance, normals=self.normals)
+
+    @classmethod
+    def from_arrays(
+        cls,
+        positions: npt.ArrayLike,
+        triangles: npt.ArrayLike,
+        *,
+        uvs: npt.ArrayLike | None = None,
+        radiance: npt.ArrayLike | None = None,
+        normals: npt.ArrayLike | None = None,
+    ) -> Mesh:
+        """Return a mesh of arrays of any numeric type, rounded to the types that a mesh stores.
+
+        Parameters
+        ----------
+        positions, triangles, uvs, radiance, normals : array_like
+            As in `Mesh`.
+        """
+        return cls(
+            np.asarray(positions, dtype=np.float32),
+            np.asarray(triangles).astype(np.uint32),
+            None if uvs is None else np.asarray(uvs, dtype=np.float32),
+            None if radiance is None else np.asarray(radiance, dtype=np.float32),
+            None if normals is None else np.asarray(normals, dtype=np.float32),
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class Object:
+    """A mesh of one material: the unit that is drawn, and that methods sort by object.
+
+    Parameters
+    ----------
+    name : str
+        Unique within the scene.
+    mesh : Mesh
+        Needs uvs if the material has a texture.
+    material : Material
+    casts : bool
+        False for floors and walls that throw no shadow on any other object. Shadow maps are then
+        fitted to the remaining objects. The object still receives shadows.
+    particles : bool
+        True for sprites without fine detail, which may be accumulated at a lower resolution.
+
+    Raises
+    ------
+    SceneError
+        If the material has a texture and the mesh has no uvs.
+    """
+
+    name: str
+    mesh: Mesh
+    material: Material
+    casts: bool = True
+    particles: bool = False
+
+    def __post_init__(self) -> None:
+        textured = isinstance(self.material.coverage, Texture) or isinstance(
+            self.material.emission, Texture
+        )
+        require(
+            not textured or self.mesh.uvs is not None,
+            f"object {self.name}: its material has a texture but its mesh has no uvs; add uvs",
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class FragmentLists:
+    """Fragments without geometry, layer by layer. Texel (y, x) is pixel (y, x), top row first.
+
+    All of them are composited as transparent, even where α = 1 and t = 0. They cannot be path
+    traced.
+
+    Parameters
+    ----------
+    z : array, shape (n, h, w), float32
+        Linear view distance in meters, beyond the camera's near plane.
+    coverage : array, shape (n, h, w), float32
+        α in [0, 1].
+    radiance : array, shape (n, h, w, 3), float32
+        L, linear Rec.709, not premultiplied.
+    transmission : array, shape (n, h, w, 3), float32
+        t in [0, 1].
+
+    Raises
+    ------
+    SceneError
+        If an array has a wrong shape or a value is not finite.
+    """
+
+    z: Array
+    coverage: Array
+    radiance: Array
+    transmission: Array
+
+    def __post_init__(self) -> None:
+        shape = self.z.shape
+        require(len(shape) == 3, "fragment lists: z must be (layers, h, w)")
+        require(self.coverage.shape == shape, f"fragment lists: coverage must be {shape}")
+        for name, values in (("radiance", self.radiance), ("transmission", self.transmission)):
+            require(values.shape == (*shape, 3), f"fragment lists: {name} must be {(*shape, 3)}")
+        require_finite("fragment lists", z=self.z, coverage=self.coverage)
+        require_finite("fragment lists", radiance=self.radiance, transmission=self.transmission)

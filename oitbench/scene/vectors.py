@@ -1,0 +1,58 @@
+"""Types of vectors, colors and arrays, and vector algebra."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+Vector = tuple[float, float, float]
+"""Position or size in meters, or direction: (x, y, z)."""
+RGB = tuple[float, float, float]
+"""Linear Rec.709 color: (red, green, blue)."""
+Array = npt.NDArray[np.float32]
+"""Array in the precision in which scenes store values."""
+Floats = npt.NDArray[np.float64]
+"""Array in the precision in which values are computed."""
+BLACK: RGB = (0.0, 0.0, 0.0)
+WHITE: RGB = (1.0, 1.0, 1.0)
+
+
+def as_vector(values: npt.ArrayLike) -> Vector:
+    """Return the three numbers of an array as a tuple of floats."""
+    x, y, z = np.asarray(values, dtype=np.float64)
+    return (float(x), float(y), float(z))
+
+
+def opposite(direction: Vector) -> Vector:
+    """Return the direction reversed."""
+    x, y, z = direction
+    return (-x, -y, -z)
+
+
+def unit(vectors: Floats) -> Floats:
+    """Return vectors of length one in the same directions; the last axis holds the components."""
+    return np.asarray(vectors / np.linalg.norm(vectors, axis=-1, keepdims=True))
+
+
+def axes_along(back: npt.ArrayLike, up: npt.ArrayLike | None = None) -> Floats:
+    """Return an orthonormal, right-handed frame whose third axis is a given direction.
+
+    Parameters
+    ----------
+    back : array, shape (3,)
+        The third axis; need not have unit length.
+    up : array, shape (3,), optional
+        Direction in the plane of the second and third axis, on the side of the second; not parallel
+        to `back`. Default: the coordinate axis that is the farthest from parallel to `back`.
+
+    Returns
+    -------
+    array, shape (3, 3), float64
+        Unit vectors right, up and back as rows.
+    """
+    direction = np.asarray(back, dtype=np.float64)
+    direction = direction / np.linalg.norm(direction)
+    upward = np.eye(3)[np.argmin(np.abs(direction))] if up is None else np.asarray(up, np.float64)
+    right = np.cross(upward, direction)
+    right /= np.linalg.norm(right)
+    return np.stack([right, np.cross(direction, right), direction])

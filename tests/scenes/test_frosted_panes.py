@@ -1,0 +1,51 @@
+"""Frosted panes: collimation falls from left to right, all else is alike."""
+
+from __future__ import annotations
+
+import itertools
+
+import numpy as np
+import pytest
+
+from tests.meshes import bounds
+from tests.scenes.helpers import build, named, starting
+
+
+def test_collimation_falls_from_left_to_right() -> None:
+    panes = starting(build("frosted_panes[detail=0.1]"), "pane ")
+    panes.sort(key=lambda item: float(item.mesh.positions[:, 0].mean()))
+    collimations = [item.material.collimation for item in panes]
+    assert collimations == [1.0, 0.9, 0.75, 0.5, 0.25]
+    assert all(not item.material.solid for item in panes)
+    assert not any(item.material.tints for item in panes)
+    spans = [bounds(item.mesh) for item in panes]
+    assert all(one[1][0] < other[0][0] for one, other in itertools.pairwise(spans))
+
+
+@pytest.mark.parametrize("distance", ["0.4", "1"])
+def test_each_box_touches_its_pane_and_each_teapot_is_behind_it(distance: str) -> None:
+    scene = build(f"frosted_panes[detail=0.1,distance={distance}]")
+    for number in range(5):
+        low, high = bounds(named(scene, f"pane {number}").mesh)
+        boxes = [named(scene, f"{shade} squares of box {number}") for shade in ("light", "dark")]
+        front = max(float(bounds(item.mesh)[1][2]) for item in boxes)
+        assert 0 < low[2] - front <= 0.0015
+        assert all((bounds(item.mesh)[0][:2] >= low[:2] - 1e-6).all() for item in boxes)
+        assert all((bounds(item.mesh)[1][:2] < high[:2]).all() for item in boxes)
+        pot_low, pot_high = bounds(named(scene, f"teapot {number}").mesh)
+        assert pot_high[2] < low[2]
+        assert low[0] < (pot_low[0] + pot_high[0]) / 2 < high[0]
+
+
+def test_teapots_are_alike_and_the_distance_moves_them() -> None:
+    near, far = (
+        starting(build(f"frosted_panes[detail=0.1,distance={distance}]"), "teapot")
+        for distance in ("0.5", "1")
+    )
+    first = near[0].mesh
+    for item in near[1:]:
+        offset = item.mesh.positions - first.positions
+        np.testing.assert_allclose(offset, np.broadcast_to(offset[0], offset.shape), atol=1e-5)
+    np.testing.assert_allclose(
+        far[0].mesh.positions - first.positions, [(0, 0, -0.5)] * len(first.positions), atol=1e-5
+    )

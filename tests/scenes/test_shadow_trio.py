@@ -1,0 +1,24 @@
+"""Shadow trio: a cloud and a ball side by side, with their shadows in plain view."""
+
+from __future__ import annotations
+
+from tests.meshes import bounds, hits
+from tests.scenes.helpers import build, named, seen, shadow_on_ground
+
+
+def test_shadows_are_in_plain_view() -> None:
+    scene = build("shadow_trio")
+    for item in scene.transparent:
+        shadow = shadow_on_ground(scene, item)
+        assert seen(scene.camera, [shadow])[0, 1] > -0.8
+        ray = shadow - scene.camera.position
+        for other in scene.transparent:
+            assert not len(hits(other.mesh, scene.camera.position, ray))
+        assert len(hits(named(scene, "floor").mesh, scene.camera.position, ray)) == 1
+
+
+def test_cloud_and_ball_are_side_by_side_above_the_floor() -> None:
+    scene = build("shadow_trio")
+    (low, high), (ball_low, _) = (bounds(named(scene, name).mesh) for name in ("cloud", "ball"))
+    assert high[0] < ball_low[0]
+    assert min(low[1], ball_low[1]) > 0.2
