@@ -104,13 +104,13 @@ def test_the_readme_names_scripts_that_can_be_run() -> None:
 
 def test_the_readme_asks_for_what_can_be_had(tmp_path: Path) -> None:
     """Plan what the page asks for, without rendering it."""
-    from oitbench.matrix import run as matrix
+    from oitbench.matrix.plan import plan_matrix
 
     (line,) = [line for line in commands("README.md") if line.startswith("oitbench run")]
     asked = {
         option: re.findall(rf"--{option} '?([^\s']+)'?", line) for option in ("scene", "method")
     }
-    planned = matrix.plan(asked["scene"], asked["method"], out=tmp_path)
+    planned = plan_matrix(asked["scene"], asked["method"], out=tmp_path)
     assert len(planned.cells) == 3 * 3
 
 

@@ -7,9 +7,9 @@ import math
 import pytest
 
 from oitbench.errors import UsageError
-from oitbench.parameters import Parameter, Value, expand, parse, text, variant
+from oitbench.parameters import AnyParameter, Parameter, Value, expand, label, parse, text
 
-PARAMETERS = {
+PARAMETERS: dict[str, AnyParameter] = {
     "node": Parameter("precise", choices=("precise", "compact")),
     "count": Parameter(4, low=1, high=8),
     "alpha": Parameter(0.5, low=0.0, high=1.0),
@@ -54,7 +54,7 @@ def test_what_cannot_be_read_is_quoted(given: str) -> None:
 
 
 def test_a_value_before_any_parameter_is_refused() -> None:
-    with pytest.raises(UsageError, match="'4' stands before any 'param='"):
+    with pytest.raises(UsageError, match="'4' comes before the first 'param='"):
         parse("thing[4]")
 
 
@@ -92,9 +92,9 @@ def test_values_from_python_are_checked_alike() -> None:
             PARAMETERS["alpha"].check("thing", "alpha", wrong)
 
 
-def test_a_label_tells_only_what_differs_from_the_defaults() -> None:
+def test_a_label_holds_only_what_differs_from_the_defaults() -> None:
     values: dict[str, Value] = {"node": "precise", "count": 2, "alpha": 0.5, "tinted": True}
-    assert variant("thing", values, PARAMETERS) == "thing[count=2,tinted=true]"
+    assert label("thing", values, PARAMETERS) == "thing[count=2,tinted=true]"
 
 
 @pytest.mark.parametrize("value", [0.1, 1 / 3, 0.123456789, 1e-7, 1.0, 123456789.0])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -9,10 +10,17 @@ from pathlib import Path
 import pytest
 
 from oitbench.errors import DeclarationError, UsageError
-from oitbench.plugins import Collection, folder_of, own_folder
-from tests.helpers import write_method
+from oitbench.plugins import Collection, own_folder
 
-METHOD = "class Mine(Method):\n    parameters = {'strength': Parameter(3)}\n"
+METHOD = """import oitbench as oit
+
+
+class Mine(oit.Method):
+    strength = oit.Parameter(3)
+
+    def plan(self, request):
+        return oit.Plan({"color": oit.Target("rgba16f")})
+"""
 SCENE = '''"""One wall."""
 from oitbench import Parameter
 from oitbench.modeling.mesh import quad
@@ -27,12 +35,19 @@ def build(*, name: str, alpha: float) -> Scene:
 '''
 
 
+def write_file(folder: Path, text: str) -> Path:
+    """Write a method's folder that holds no shaders."""
+    folder.mkdir(parents=True)
+    (folder / "method.py").write_text(text)
+    return folder
+
+
 @pytest.fixture
 def strangers(tmp_path: Path) -> Path:
     """A collection of somebody else's, with one of each kind and one broken of each."""
     folder = tmp_path / "strange place"
-    write_method(folder / "methods" / "mine", METHOD)
-    write_method(folder / "methods" / "broken", "import no_such_module\n")
+    write_file(folder / "methods" / "mine", METHOD)
+    write_file(folder / "methods" / "broken", "import no_such_module\n")
     for kind in ("scenes", "reports"):
         (folder / kind).mkdir()
         (folder / kind / "broken.py").write_text("this is no Python\n")
@@ -64,16 +79,43 @@ def test_a_strangers_plugins_stand_beside_the_suites_own(strangers: Path) -> Non
     found = Collection.load([strangers])
     (mine,) = found.expand_methods(["mine[strength=5]"])
     assert (mine.label, mine.values) == ("mine[strength=5]", {"strength": 5})
-    assert folder_of(type(mine)) == strangers / "methods" / "mine"
+    assert mine.folders == (strangers / "methods" / "mine",)
     assert found.build_scene("wall[alpha=0.25]").objects[0].material.coverage == 0.25
     assert found.reports["mine"].__doc__ == "A report."
     assert "a_buffer" in found.methods
 
 
-def test_a_later_collection_replaces_a_name(strangers: Path) -> None:
-    write_method(strangers / "methods" / "alpha_blend", METHOD)
+@pytest.mark.parametrize("kind", ["method", "scene", "report"])
+def test_two_plugins_of_one_name_are_refused(kind: str, strangers: Path, tmp_path: Path) -> None:
+    other = tmp_path / "other"
+    shutil.copytree(strangers, other)
+    for folder in (strangers, other):
+        for name in {"method", "scene", "report"} - {kind}:
+            shutil.rmtree(folder / f"{name}s")
+    with pytest.raises(UsageError, match=f"two {kind}s are named") as caught:
+        Collection.load([strangers, other])
+    assert str(strangers) in str(caught.value)
+    assert str(other) in str(caught.value)
+
+
+def test_a_folder_that_is_given_twice_is_added_once(strangers: Path) -> None:
+    found = Collection.load([strangers, strangers / "methods" / ".."])
+    assert found.folders.count(strangers) == 1
+
+
+def test_only_the_suites_own_method_can_be_the_truth(strangers: Path) -> None:
+    write_file(strangers / "methods" / "mythical", METHOD + "    truth = {}\n")
     found = Collection.load([strangers])
-    assert "strength" in found.methods["alpha_blend"].parameters
+    with pytest.raises(DeclarationError, match="only the suite's own method can be the truth"):
+        found.methods["mythical"]
+    assert found.truth().name == "a_buffer"
+
+
+def test_methods_of_a_collection_share_its_shaders(strangers: Path) -> None:
+    (strangers / "glsl").mkdir()
+    found = Collection.load([strangers])
+    folder = strangers / "methods" / "mine"
+    assert found.methods["mine"].folders == (folder, strangers / "glsl")
 
 
 def test_a_broken_plugin_hurts_only_who_asks(strangers: Path) -> None:
@@ -103,12 +145,12 @@ def test_a_relative_path_is_taken_from_where_one_stands(
 
 
 def test_folders_whose_names_differ_in_signs_alone_are_kept_apart(tmp_path: Path) -> None:
-    folders = [write_method(tmp_path / name, METHOD) for name in ("my-way", "my_way", "my.way")]
+    folders = [write_file(tmp_path / name, METHOD) for name in ("my-way", "my_way", "my.way")]
     found = Collection.load().expand_methods([str(folder) for folder in folders])
-    assert [folder_of(type(item)) for item in found] == folders
+    assert [item.folders[0] for item in found] == folders
 
 
-def test_names_and_paths_that_lead_nowhere_are_told(tmp_path: Path) -> None:
+def test_names_and_paths_that_lead_nowhere_are_errors(tmp_path: Path) -> None:
     found = Collection.load()
     with pytest.raises(UsageError, match="unknown method 'a_bufer'; did you mean a_buffer"):
         found.expand_methods(["a_bufer"])
@@ -118,13 +160,13 @@ def test_names_and_paths_that_lead_nowhere_are_told(tmp_path: Path) -> None:
         found.expand_methods([str(tmp_path / "nowhere")])
     with pytest.raises(UsageError, match="is no collection"):
         Collection.load([tmp_path / "nowhere"])
-    with pytest.raises(UsageError, match="stands for 2 scenes; name one"):
+    with pytest.raises(UsageError, match="selects 2 scenes; name one"):
         found.build_scene("layer_stack[count=1,2]")
 
 
 def test_a_file_must_define_exactly_one_method(tmp_path: Path) -> None:
-    none = write_method(tmp_path / "none", "")
-    two = write_method(tmp_path / "two", "class A(Method): pass\nclass B(Method): pass\n")
+    none = write_file(tmp_path / "none", "import oitbench as oit\n")
+    two = write_file(tmp_path / "two", METHOD + METHOD.replace("Mine", "Yours"))
     for folder, count in ((none, 0), (two, 2)):
         with pytest.raises(DeclarationError, match=f"defines {count} methods; define exactly one"):
             Collection.load().add_method(folder)
@@ -154,7 +196,7 @@ def test_an_installed_package_brings_its_collection(
 
 def test_underscored_and_hidden_files_are_no_plugins(strangers: Path) -> None:
     (strangers / "scenes" / "_helpers.py").write_text("")
-    write_method(strangers / "methods" / "_draft", METHOD)
+    write_file(strangers / "methods" / "_draft", METHOD)
     found = Collection.load([strangers])
     assert "_helpers" not in found.scenes
     assert "_draft" not in found.methods

@@ -18,7 +18,7 @@ import numpy as np
 from oitbench.errors import CapabilityError
 from oitbench.gl.device import Device
 from oitbench.gl.frame import Frame
-from oitbench.gl.geometry import Geometry
+from oitbench.gl.uploaded_scene import UploadedScene
 from oitbench.measure import timing
 from oitbench.method.declaration import Method
 from oitbench.plugins import Collection
@@ -39,14 +39,13 @@ def measure(methods: list[Method], collection: Collection) -> Times:
     times: Times = {method.label: {} for method in methods}
     for count in COUNTS:
         scene = collection.build_scene(f"layer_stack[count={count},alpha=0.05,spacing=0.02]")
-        geometry = Geometry(device, scene)
+        uploaded = UploadedScene(device, scene)
         frames: dict[str, Frame] = {}
         for method in methods:
             if any(value > TOO_LONG for value in times[method.label].values()):
                 continue
-            effects = scene.effects & method.shows
             try:
-                frame = Frame(device, geometry, method, (SIDE, SIDE), effects)
+                frame = Frame(uploaded, method, (SIDE, SIDE), scene.effects & method.shows)
             except CapabilityError as error:
                 print(f"left out: {error}")
                 continue
@@ -56,7 +55,7 @@ def measure(methods: list[Method], collection: Collection) -> Times:
             times[label][count] = float(np.median(item.frame_ms))
         for frame in frames.values():
             frame.release()
-        geometry.release()
+        uploaded.release()
     return times
 
 

@@ -18,7 +18,7 @@ import numpy as np
 
 from oitbench.gl.device import Device
 from oitbench.gl.frame import Frame
-from oitbench.gl.geometry import Geometry
+from oitbench.gl.uploaded_scene import UploadedScene
 from oitbench.measure import timing
 from oitbench.plugins import Collection
 from oitbench.scene import Camera, Material, Mesh, Object, Scene
@@ -47,14 +47,12 @@ def overlapping_quads(count: int = 32, seed: int = 1) -> Scene:
     return Scene("quads", camera, tuple(objects), background=(0.5, 0.5, 0.5))
 
 
-def frames_of(
-    device: Device, geometry: Geometry, names: list[str], size: tuple[int, int]
-) -> dict[str, Frame]:
+def frames_of(uploaded: UploadedScene, names: list[str], size: tuple[int, int]) -> dict[str, Frame]:
     """Return a rendered frame of every method."""
     frames = {}
     for method in Collection.load().expand_methods(names):
-        effects = geometry.scene.effects & method.shows
-        frames[method.label] = Frame(device, geometry, method, size, effects)
+        effects = uploaded.scene.effects & method.shows
+        frames[method.label] = Frame(uploaded, method, size, effects)
         frames[method.label].render()
     return frames
 
@@ -62,13 +60,13 @@ def frames_of(
 def main(names: list[str]) -> None:
     """Measure and print."""
     device = Device()
-    geometry = Geometry(device, overlapping_quads())
+    uploaded = UploadedScene(device, overlapping_quads())
     names = [BASE, *(name for name in names or METHODS if name != BASE)]
-    frames = frames_of(device, geometry, names, SIZE)
+    frames = frames_of(uploaded, names, SIZE)
     fragments = int(frames[BASE].complexity.sum())
     print(f"{device.renderer}: {SIZE[0]}x{SIZE[1]}, {fragments / 1e6:.2f} M fragments")
     timings = timing.measure(frames, ROUNDS, budget=120)
-    tiny = frames_of(device, geometry, names, (1, 1))
+    tiny = frames_of(uploaded, names, (1, 1))
     # Without the draws themselves, what is left of a frame is Python and the state it sets.
     with patch.object(moderngl.VertexArray, "render", lambda *_, **__: None):
         shares = timing.measure(tiny, ROUNDS, budget=10)
@@ -79,7 +77,7 @@ def main(names: list[str]) -> None:
         ratio = float(np.median(np.array(item.frame_ms) / base))
         share = float(np.median(shares[name].frame_ms))
         print(
-            f"{name:34} {facts['median']:8.2f} {facts['low']:8.2f} {facts['high']:8.2f}"
+            f"{name:34} {facts.median:8.2f} {facts.low:8.2f} {facts.high:8.2f}"
             f" {ratio:6.2f}x {share:10.2f}"
         )
         for record in passes_of(frames[name]):
@@ -94,8 +92,8 @@ def main(names: list[str]) -> None:
 
 def passes_of(frame: Frame) -> list[str]:
     """Return one line a pass: where the time of a frame goes, each pass waited for."""
-    measured = frame.measure()
-    return [f"{record.name:20} {record.milliseconds:8.2f} ms" for record in records]
+    passes = frame.measure().passes
+    return [f"{record.name:20} {record.milliseconds:8.2f} ms" for record in passes]
 
 
 if __name__ == "__main__":

@@ -21,11 +21,10 @@ from pathlib import Path
 import numpy as np
 
 from oitbench.gl.device import Device
-from oitbench.gl.draws.records import PassRecord
 from oitbench.gl.frame import Frame
-from oitbench.gl.geometry import Geometry
+from oitbench.gl.uploaded_scene import UploadedScene
 from oitbench.measure import timing
-from oitbench.method.declaration import Draws, Objects, Pass
+from oitbench.method.passes import Gather, Objects, Pass
 from oitbench.plugins import Collection
 from oitbench.scene import Scene
 
@@ -63,24 +62,23 @@ class Row:
 
 
 def stage_of(step: Pass, mixed: bool) -> str:
-    """Return the stage that a pass belongs to; `mixed` tells that particles are drawn apart."""
-    if step.draws is Draws.FRAGMENTS:
+    """Return the stage that a pass belongs to; `mixed` says that particles are drawn apart."""
+    if isinstance(step, Gather):
         apart = {Objects.PARTICLES: PARTICLES, Objects.OTHERS: OTHERS}
         return apart.get(step.objects, TOTAL) if mixed else OTHERS
     return {"fog": FOG, "shrink_depth": PARTICLES}.get(step.name, RESOLVE)
 
 
-def measured(frame: Frame, mixed: bool, lit: bool) -> dict[str, float]:
-    """Return the milliseconds of each stage of one frame, with the shading's if `lit`."""
-    records: list[PassRecord] = []
-    frame.issue(records, check=False, lit=lit)
+def measured(frame: Frame, mixed: bool) -> dict[str, float]:
+    """Return the milliseconds of each stage of one frame."""
+    measurement = frame.measure()
     stages: dict[str, float] = {}
-    for step, record in zip(frame.plan.passes, records, strict=True):
+    for step, record in zip(frame.plan.passes, measurement.passes, strict=True):
         stage = stage_of(step, mixed)
         stages[stage] = stages.get(stage, 0.0) + record.milliseconds
     parts = [stages[name] for name in (PARTICLES, OTHERS, FOG) if name in stages]
     stages[TOTAL] = stages.get(TOTAL, 0.0) + sum(parts)
-    for record in frame.shading_records if lit else ():
+    for record in measurement.shading:
         stage = record.name if record.name in SHADING else OCCLUSION
         stages[stage] = stages.get(stage, 0.0) + record.milliseconds
     return stages
@@ -88,21 +86,19 @@ def measured(frame: Frame, mixed: bool, lit: bool) -> dict[str, float]:
 
 def measure(device: Device, scene: Scene, size: tuple[int, int], rounds: int) -> dict[str, Samples]:
     """Return the samples of every stage, by variant: one a round."""
-    collection, geometry = Collection.load(), Geometry(device, scene)
-    mixed = Objects.PARTICLES in geometry.present
+    collection, uploaded = Collection.load(), UploadedScene(device, scene)
+    mixed = uploaded.geometry.has(Objects.PARTICLES)
     frames = {}
     for name, text in METHODS.items():
         if name == "1x1" or mixed:
             (method,) = collection.expand_methods([text])
-            frames[name] = Frame(device, geometry, method, size, scene.effects & method.shows)
+            frames[name] = Frame(uploaded, method, size, scene.effects & method.shows)
             frames[name].render()
     samples: dict[str, Samples] = {name: {} for name in frames}
     generator, names, start = np.random.default_rng(1), list(frames), time.perf_counter()
     for number in range(rounds + WARM_UP):
         for name in generator.permutation(names):
-            # What shades is the same for all variants, and slow: one of them tells it.
-            lit = str(name) == "1x1" and number >= WARM_UP
-            for stage, value in measured(frames[str(name)], mixed, lit).items():
+            for stage, value in measured(frames[str(name)], mixed).items():
                 if number >= WARM_UP:
                     samples[str(name)].setdefault(stage, []).append(value)
         if number >= WARM_UP + 2 and time.perf_counter() - start > BUDGET:
@@ -111,14 +107,13 @@ def measure(device: Device, scene: Scene, size: tuple[int, int], rounds: int) ->
         _compare(samples)
     for frame in frames.values():
         frame.release()
-    geometry.release()
+    uploaded.release()
     return samples
 
 
 def _compare(samples: dict[str, Samples]) -> None:
     """Add what the particles alone cost at full resolution, and how many times less in blocks."""
     full, small = samples["1x1"], samples["4x4 sub."]
-    small |= {name: full[name] for name in full if name in SHADING}
     # Everything else is drawn alike in both variants, so it can be taken off.
     others = np.median(small.get(OTHERS, [0.0])) + np.median(full.get(FOG, [0.0]))
     full[PARTICLES] = [value - float(others) for value in full[TOTAL]]
@@ -132,7 +127,7 @@ def rows_of(name: str, samples: Mapping[str, Samples]) -> list[Row]:
     rows = []
     for variant, stages in samples.items():
         facts = {stage: timing.interval(values) for stage, values in stages.items()}
-        numbers = {stage: [fact[end] for end in ENDS] for stage, fact in facts.items()}
+        numbers = {stage: [getattr(fact, end) for end in ENDS] for stage, fact in facts.items()}
         rows.append(Row(name, variant, numbers))
     return rows
 

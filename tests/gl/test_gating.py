@@ -81,7 +81,7 @@ def rendered(uploaded: UploadedScene, chosen: Method, effects: Effect) -> Render
         shading = [entry for stage in frame.shading for entry in stage.memory()]
         own = [(term.resource, term.bytes) for term in accounting.memory(frame).terms]
         sources = " ".join(part for program in uploaded.device.programs for part in program)
-        maps = {}
+        maps: dict[str, bytes] = {}
         for number, one in enumerate(frame.lighting.maps if frame.lighting else ()):
             if one is not None:
                 maps |= {f"{name}_map{number}": t.read() for name, t in one.finished.items()}

@@ -16,7 +16,7 @@ import pytest
 
 from oitbench.effects import Effect
 from oitbench.errors import UsageError
-from oitbench.parameters import Parameter, text
+from oitbench.parameters import AnyParameter, text
 from oitbench.scene import Scene
 from tests.scenes.cases import CASES, EFFECTS, FULL, SMALL, name_of
 from tests.scenes.helpers import COLLECTION, build, particles, with_detail
@@ -103,7 +103,7 @@ def test_another_seed_gives_another_scene(name: str) -> None:
         assert not np.array_equal(before.mesh.positions, after.mesh.positions)
 
 
-def wrong_values(name: str, parameter: Parameter) -> Iterator[str]:
+def wrong_values(name: str, parameter: AnyParameter) -> Iterator[str]:
     """Yield values that the parameter must refuse."""
     yield from IMPOSSIBLE.get(name, ())
     if parameter.choices:
@@ -119,7 +119,7 @@ def wrong_values(name: str, parameter: Parameter) -> Iterator[str]:
             yield "nan"
 
 
-def edge_values(parameter: Parameter) -> Iterator[str]:
+def edge_values(parameter: AnyParameter) -> Iterator[str]:
     """Yield the values at the edges of what the parameter allows, except expensive ones."""
     yield from map(text, parameter.choices)
     if isinstance(parameter.default, bool):
