@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# The same set-up as reproduce.sh, then format, lint, types and tests; arguments go to pytest.
+# The same set-up as reproduce.sh, then format, lint, types, layers and tests; arguments go to pytest.
 # All of them run; it fails if one of them does.
 set -euo pipefail
 
@@ -9,10 +9,11 @@ cd -- "$(dirname -- "${BASH_SOURCE[0]}")"
 failed=0
 check() {
     printf '== %s\n' "$*" >&2
-    .venv/bin/python -m "$@" || failed=1
+    ".venv/bin/$1" "${@:2}" || failed=1
 }
 check ruff format --check .
 check ruff check .
 check mypy
+check lint-imports --no-cache
 check pytest "$@"
 exit "$failed"

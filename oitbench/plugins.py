@@ -193,7 +193,7 @@ class Collection:
             raise SceneError(f"scene {label}: {type(error).__name__}: {error}") from error
 
     def truth(self) -> Method:
-        """Return the suite's own method that renders the exact truth, with its parameters for it."""
+        """Return the suite's own method that renders the exact truth, with its parameters."""
         own = own_folder() / "methods"
         for name in self.methods:
             if self.methods.path(name).parent.parent != own:

@@ -14,7 +14,8 @@ targets per pass: 16 nodes of 8 bits, 8 of `16f`, 4 of `32f`.
 Sources: Bavoil et al. 2007, "Multi-Fragment Effects on the GPU using the k-Buffer"; Vasilakis &
 Fudos 2014, "k+-buffer", which is order independent like this one.
 
-Known failures: layers beyond the first k do not even attenuate the background. Transmission is grey.
+Known failures: layers beyond the first k do not even attenuate the background. Transmission is
+gray.
 """
 
 import oitbench as oit

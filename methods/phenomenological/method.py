@@ -73,7 +73,7 @@ class Phenomenological(oit.Method):
     depth_weight = oit.Parameter(
         "eq5",
         choices=("eq5", "g3d"),
-        help="equation of w: 5, or the engine's clamp(o clamp(1e4(1 - 0.99d)^3, 1e-3, 1), 1e-3, 150)",
+        help="equation of w: 5, or G3D's clamp(o clamp(1e4(1 - 0.99d)^3, 1e-3, 1), 1e-3, 150)",
     )
     modulation = oit.Parameter(
         "tvcg",

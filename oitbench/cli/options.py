@@ -69,6 +69,6 @@ effects_axis = click.option(
     multiple=True,
     default=(REQUESTED,),
     show_default=True,
-    help=f"{_EFFECTS} Repeatable. {EACH}: {REQUESTED}, and the same without each effect in turn that"
-    " changes the method's picture.",
+    help=f"{_EFFECTS} Repeatable. {EACH}: {REQUESTED}, and the same with each effect left out"
+    " in turn that changes the method's picture.",
 )

@@ -20,9 +20,9 @@ from oitbench.gl.draws.records import PassRecord, Term
 from oitbench.gl.ownership import Owner
 from oitbench.gl.plan import FramePlan
 from oitbench.gl.program.passes import Blueprint, attach, compile_pass
+from oitbench.gl.program.shading_inputs import UNLIT
 from oitbench.gl.resources import Resources
 from oitbench.gl.shading.backdrop import Backdrop
-from oitbench.gl.shading.inputs import UNLIT
 from oitbench.gl.shading.lighting import Lighting
 from oitbench.gl.shading.occlusion import Occlusion, occludes
 from oitbench.gl.tiling import Counts, sum_by_tile
@@ -308,7 +308,7 @@ class Frame(Owner):
         return missing
 
     def image(self) -> Image:
-        """Return the frame's color, shape (h, w, 3), linear, top row first; samples are averaged."""
+        """Return the color, shape (h, w, 3), linear, top row first; samples are averaged."""
         return self.read("color")[..., :3]
 
     def read(self, target: str) -> Image:

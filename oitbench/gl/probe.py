@@ -10,8 +10,8 @@ from oitbench.gl.ownership import Owner
 from oitbench.gl.plan import FramePlan
 from oitbench.gl.program.bindings import Bindings
 from oitbench.gl.program.passes import Blueprint
+from oitbench.gl.program.shading_inputs import UNLIT
 from oitbench.gl.resources import Resources
-from oitbench.gl.shading.inputs import UNLIT
 from oitbench.gl.shading.occlusion import Occlusion, occludes
 from oitbench.gl.shading.opaque import DEPTH, OpaquePicture
 from oitbench.gl.tiling import TILE
@@ -71,7 +71,7 @@ def _record(
     place: tuple[int, int],
     count: int,
 ) -> Resources:
-    """Draw the transparent geometry at one pixel, and return the buffers that hold its fragments."""
+    """Draw the transparent geometry at one pixel; return the buffers that hold its fragments."""
     device, geometry = scene.device, scene.geometry
     lighting = scene.lighting(effects)
     shading = lighting.inputs(effects) if lighting else UNLIT

@@ -173,7 +173,7 @@ class Bench:
         )
 
     def _prepare(self, cell: Cell) -> _Stage:
-        """Return the stage of the cell's scene, which is kept while scene and size stay the same."""
+        """Return the stage of the cell's scene. It is kept while scene and size stay the same."""
         wanted = (cell.scene, cell.size, cell.ssaa)
         stage = self._stage
         if stage is not None and (stage.label, stage.size, stage.ssaa) == wanted:

@@ -28,7 +28,9 @@ class Equation(enum.IntEnum):
 
 @dataclass(frozen=True)
 class Blend:
-    """Combination of a shader's output with a target: source × `source` (equation) target × `target`.
+    """Combination of a shader's output with a target.
+
+    The result is source × `source` (equation) target × `target`.
 
     Parameters
     ----------

@@ -37,7 +37,7 @@ class Bindings:
 
     @classmethod
     def of(cls, buffers: Mapping[str, Buffer], counted: bool) -> Bindings:
-        """Number the storage blocks of the allocated `buffers`."""
+        """Return the bindings of the storage blocks of the allocated `buffers`."""
         pairs = [(name, key) for name, buffer in buffers.items() for key in buffer.fields]
         listed = [name for name, buffer in buffers.items() if buffer.items is Items.FRAGMENTS]
         kinds: tuple[AccessKind, ...] = ("read", "write", "atomic")

@@ -15,8 +15,8 @@ from oitbench.gl.device import Device
 from oitbench.gl.geometry import VERTEX, VERTEX_FORMAT, Geometry
 from oitbench.gl.program import accessors, prelude
 from oitbench.gl.program.bindings import VIEW_BINDING, Bindings
+from oitbench.gl.program.shading_inputs import UNLIT, Sampled, ShadingInputs
 from oitbench.gl.program.source import Source
-from oitbench.gl.shading.inputs import UNLIT, Sampled, ShadingInputs
 from oitbench.gl.tiling import Scissor
 from oitbench.method.formats import Format
 from oitbench.method.passes import OPAQUE_DEPTH, Gather, Pass, Resolve

@@ -9,7 +9,7 @@ from oitbench.gl.geometry import Geometry
 from oitbench.gl.ownership import Owner
 from oitbench.gl.plan import FramePlan
 from oitbench.gl.program.passes import DEPTH_AT_CENTERS, DEPTH_COPY
-from oitbench.gl.shading.inputs import ShadingInputs
+from oitbench.gl.program.shading_inputs import ShadingInputs
 from oitbench.gl.shading.opaque import DEPTH, OpaquePicture
 from oitbench.method.passes import OPAQUE_COLOR, OPAQUE_DEPTH
 

@@ -12,12 +12,12 @@ from oitbench.gl.draws.chain import Measurement
 from oitbench.gl.geometry import Geometry
 from oitbench.gl.ownership import Owner
 from oitbench.gl.program.bindings import LIGHTS_BINDING, MEDIUM_BINDING
+from oitbench.gl.program.shading_inputs import Sampled, ShadingInputs
 from oitbench.gl.shading.environment import (
     environment_texels,
     irradiance_harmonics,
     upload_environment,
 )
-from oitbench.gl.shading.inputs import Sampled, ShadingInputs
 from oitbench.gl.shading.medium import UploadedMedium
 from oitbench.gl.shading.shadows import ShadowMaps
 from oitbench.gl.view import Projection, light_projection

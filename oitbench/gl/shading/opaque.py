@@ -12,7 +12,7 @@ from oitbench.gl.draws.chain import Chain
 from oitbench.gl.geometry import Geometry
 from oitbench.gl.ownership import Owner
 from oitbench.gl.program.passes import Blueprint
-from oitbench.gl.shading.inputs import UNLIT, ShadingInputs
+from oitbench.gl.program.shading_inputs import UNLIT, ShadingInputs
 from oitbench.gl.shading.occlusion import occludes
 from oitbench.gl.view import view_block
 from oitbench.method.blending import ADD, REPLACE

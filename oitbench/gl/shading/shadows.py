@@ -1,4 +1,4 @@
-"""The shadow maps of one beam: a depth map of opaque surfaces, and variance maps of transparent ones.
+"""Shadow maps of one beam: a depth map of opaque surfaces, variance maps of transparent ones.
 
 Transparent surfaces are drawn into one depth map per channel, where each texel keeps a fragment
 with the probability that it absorbs the light of that channel; all channels are drawn at once. The
@@ -101,7 +101,7 @@ class ShadowMaps(Owner):
             opaque = Gather("opaque_map.glsl", depth="opaque", clears=("opaque",))
             chain.add(opaque, blueprint, _DRAWN, geometry.opaque)
             if not self.channels:
-                # Without translucent shadows, surfaces that absorb half of the light cast hard ones.
+                # Without translucent shadows, surfaces that absorb half the light cast hard ones.
                 binary = Gather(_SHADER, depth="opaque", defines={"BINARY": 1, "GREY": 1})
                 chain.add(binary, blueprint, _DRAWN, geometry.casting)
         if self.channels:
