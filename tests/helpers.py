@@ -25,7 +25,6 @@ from oitbench.scene import RGB, Camera, FragmentLists, Scene
 from oitbench.stability import suite
 from oitbench.stability.identities import identities
 
-Array64 = npt.NDArray[np.float64]
 SIDE = 16
 """Width and height of the small frames, in pixels."""
 BACKGROUND: RGB = (0.35, 0.6, 0.85)

@@ -6,12 +6,10 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
-import numpy.typing as npt
 
 from oitbench.gl.tiling import TILE
-from oitbench.scene import Camera, DirectionalLight, Object, SpotLight
+from oitbench.scene import Camera, DirectionalLight, Floats, Object, SpotLight, axes_along
 
-Floats = npt.NDArray[np.float64]
 ITERATION_OFFSET = 160
 """Byte offset of `iteration` in the block."""
 _MARGIN = 0.02
@@ -27,7 +25,7 @@ class Projection:
     to_camera, to_clip : array, shape (4, 4)
         World to camera space, and camera space to clip space.
     near, far : float
-        View distances in metres; `far` may be infinite.
+        View distances in meters; `far` may be infinite.
     focal : float
         Focal length for a picture of height two.
     eye : array, shape (4,)
@@ -131,7 +129,7 @@ def _parallel(
     light: DirectionalLight, casters: tuple[Object, ...], all_: tuple[Object, ...]
 ) -> Projection:
     back = -np.asarray(light.direction, dtype=np.float64)
-    axes = _axes_along(back)
+    axes = axes_along(back)
     low, high = _bounds(casters, axes)
     deepest = _bounds(all_, axes)[0][2]
     reach = float(np.linalg.norm(high - low)) / 2 + 1e-3
@@ -157,7 +155,7 @@ def _conical(
     light: SpotLight, casters: tuple[Object, ...], all_: tuple[Object, ...]
 ) -> Projection | None:
     position = np.asarray(light.position, dtype=np.float64)
-    axes = _axes_along(position - np.asarray(light.target))
+    axes = axes_along(position - np.asarray(light.target))
     behind = float(position @ axes[2])
     nearest = behind - float(_bounds(casters, axes)[1][2])
     far = (behind - float(_bounds(all_, axes)[0][2])) * 1.01
@@ -190,14 +188,6 @@ def _slopes(
         slopes = points[:, :2] / distance[:, None]
         low, high = np.minimum(low, slopes.min(axis=0)), np.maximum(high, slopes.max(axis=0))
     return np.maximum(low, -widest), np.minimum(high, widest)
-
-
-def _axes_along(back: Floats) -> Floats:
-    """Return right, up and backward unit vectors as rows."""
-    back = back / np.linalg.norm(back)
-    right = np.cross(np.eye(3)[np.argmin(np.abs(back))], back)
-    right /= np.linalg.norm(right)
-    return np.stack([right, np.cross(back, right), back])
 
 
 def _bounds(objects: tuple[Object, ...], axes: Floats) -> tuple[Floats, Floats]:

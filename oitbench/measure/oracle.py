@@ -5,18 +5,16 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from oitbench.scene import FragmentLists
-
-Array64 = npt.NDArray[np.float64]
+from oitbench.scene import Floats, FragmentLists
 
 
-def transmittances(lists: FragmentLists) -> Array64:
+def transmittances(lists: FragmentLists) -> Floats:
     """Return τ = 1 − α + α t of every fragment, shape (n, h, w, 3)."""
     coverage = lists.coverage.astype(np.float64)[..., None]
     return np.asarray(1 - coverage * (1 - lists.transmission.astype(np.float64)))
 
 
-def composite(lists: FragmentLists, background: npt.ArrayLike) -> Array64:
+def composite(lists: FragmentLists, background: npt.ArrayLike) -> Floats:
     """Composite fragment lists by the over operator with RGB transmittance.
 
     C = Σ_i α_i L_i Π_{j nearer than i} τ_j + C0 Π_j τ_j

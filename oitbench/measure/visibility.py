@@ -25,9 +25,8 @@ from oitbench.gl.uploaded_scene import UploadedScene
 from oitbench.measure.oracle import composite, transmittances
 from oitbench.method.declaration import Method
 from oitbench.plugins import Collection
-from oitbench.scene import Camera, FragmentLists, Scene
+from oitbench.scene import Camera, Floats, FragmentLists, Scene
 
-Array64 = npt.NDArray[np.float64]
 _RANDOM_ROWS = 256
 
 
@@ -60,9 +59,9 @@ class Curves:
     pixel: tuple[int, int]
     size: tuple[int, int]
     fragments: FragmentLists
-    exact: Array64
-    methods: dict[str, Array64]
-    noise: dict[str, Array64]
+    exact: Floats
+    methods: dict[str, Floats]
+    noise: dict[str, Floats]
     names: dict[str, str]
     reasons: dict[str, str]
 
@@ -95,7 +94,7 @@ def instrument(fragments: FragmentLists, rows: int = 1) -> FragmentLists:
     )
 
 
-def curve_of(image: npt.NDArray[np.float32], count: int) -> tuple[Array64, Array64]:
+def curve_of(image: npt.NDArray[np.float32], count: int) -> tuple[Floats, Floats]:
     """Return the mean and its standard error, each (count, 3), of a picture of the instrument.
 
     The picture may be larger than the instrument by a whole factor.
@@ -106,7 +105,7 @@ def curve_of(image: npt.NDArray[np.float32], count: int) -> tuple[Array64, Array
     return values.mean(axis=1), values.std(axis=1) / np.sqrt(values.shape[1])
 
 
-def exact_curve(fragments: FragmentLists) -> Array64:
+def exact_curve(fragments: FragmentLists) -> Floats:
     """Return the visibility of each fragment of one pixel and of what lies behind, (n + 1, 3)."""
     total = transmittances(fragments).prod(axis=0)[0]
     return np.concatenate([_with_gaps(composite(instrument(fragments), 0.0)[0], fragments), total])
@@ -114,7 +113,7 @@ def exact_curve(fragments: FragmentLists) -> Array64:
 
 def method_curve(
     device: Device, method: Method, fragments: FragmentLists, camera: Camera
-) -> tuple[Array64, Array64]:
+) -> tuple[Floats, Floats]:
     """Return a method's visibility of each fragment and of what lies behind, and its error.
 
     Parameters
@@ -207,8 +206,8 @@ def _measure_all(
 ) -> Curves:
     order = np.argsort(found.z[:, 0, 0], kind="stable")
     places = np.append(order, len(order))
-    curves: dict[str, Array64] = {}
-    noise: dict[str, Array64] = {}
+    curves: dict[str, Floats] = {}
+    noise: dict[str, Floats] = {}
     reasons: dict[str, str] = {}
     for method in chosen:
         try:
@@ -231,5 +230,5 @@ def _measure_all(
     )
 
 
-def _with_gaps(values: Array64, fragments: FragmentLists) -> Array64:
+def _with_gaps(values: Floats, fragments: FragmentLists) -> Floats:
     return np.where(fragments.coverage[:, 0, 0, None] > 0, values, np.nan)

@@ -9,9 +9,11 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+import numpy as np
+
 from oitbench.scene.checks import require, require_finite
 from oitbench.scene.material import Texture
-from oitbench.scene.vectors import RGB, WHITE, Vector
+from oitbench.scene.vectors import RGB, WHITE, Floats, Vector
 
 PENUMBRA = 0.1
 """Outer fraction of a spot light's half angle over which it fades out, linearly in the angle."""
@@ -82,8 +84,8 @@ class EnvironmentLight:
     ----------
     radiance : RGB or Texture
         Radiance in W·sr⁻¹·m⁻² on the scene's arbitrary scale: one color for all directions, or a
-        latitude-longitude map of shape (h, w, 3). The first row of the map is straight up (+y), its
-        middle column straight ahead (−z), and columns run to the right (+x).
+        latitude-longitude map of shape (h, w, 3), or (h, w) in gray. The first row of the map is
+        straight up (+y), its middle column straight ahead (−z), and columns run to the right (+x).
 
     Raises
     ------
@@ -96,6 +98,14 @@ class EnvironmentLight:
     def __post_init__(self) -> None:
         if not isinstance(self.radiance, Texture):
             require_finite("light", radiance=self.radiance)
+
+    @property
+    def texels(self) -> Floats:
+        """The map of all directions, shape (h, w, 3); one color gives a map of 2 × 4 texels."""
+        if not isinstance(self.radiance, Texture):
+            return np.broadcast_to(np.asarray(self.radiance, dtype=np.float64), (2, 4, 3))
+        texels = self.radiance.texels.astype(np.float64)
+        return np.repeat(texels[..., None], 3, axis=2) if texels.ndim == 2 else texels
 
 
 Light = DirectionalLight | SpotLight | EnvironmentLight

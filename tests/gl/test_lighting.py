@@ -6,7 +6,6 @@ import math
 from collections.abc import Callable
 
 import numpy as np
-import numpy.typing as npt
 import pytest
 
 from oitbench.gl.device import Device
@@ -18,6 +17,7 @@ from oitbench.scene import (
     Camera,
     DirectionalLight,
     EnvironmentLight,
+    Floats,
     Light,
     Material,
     Object,
@@ -28,7 +28,6 @@ from oitbench.scene import (
 )
 from tests.helpers import Empty, opened
 
-Floats = npt.NDArray[np.float64]
 SIZE = (33, 33)
 EYE = (0.3, 2.0, 1.5)
 CAMERA = Camera(position=EYE, target=(0, 0, 0), fov_y=math.radians(30))
@@ -192,6 +191,16 @@ def test_the_map_is_seen_where_it_lies(device: Device, name: str, direction: RGB
         with opened(device, scene, Empty(), SIZE) as frame:
             frame.render()
             assert (frame.image()[16, 16, 0] > 0.9) == bright
+
+
+def test_a_gray_map_is_the_map_of_that_gray(device: Device) -> None:
+    gray = np.linspace(0.1, 0.9, 8, dtype=np.float32).reshape(2, 4)
+    wall = Material(albedo=(0.4, 0.4, 0.4), specular=0.04)
+    one, other = (
+        shown(device, wall, EnvironmentLight(Texture(texels)))
+        for texels in (gray, np.repeat(gray[..., None], 3, axis=2))
+    )
+    np.testing.assert_array_equal(one, other)
 
 
 @pytest.mark.parametrize(("name", "direction"), DIRECTIONS)

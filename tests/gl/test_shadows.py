@@ -14,10 +14,18 @@ from oitbench.gl.device import Device
 from oitbench.gl.frame import Image
 from oitbench.gl.uploaded_scene import UploadedScene
 from oitbench.modeling.mesh import quad, sphere
-from oitbench.scene import BLACK, RGB, Camera, DirectionalLight, Material, Object, Scene, SpotLight
+from oitbench.scene import (
+    BLACK,
+    RGB,
+    Camera,
+    DirectionalLight,
+    Material,
+    Object,
+    Scene,
+    SpotLight,
+)
 from tests.helpers import Empty, opened
 
-Floats = npt.NDArray[np.float64]
 SIZE = (64, 64)
 ABOVE = Camera(position=(0, 6, 0), target=(0, 0, 0), up=(0, 0, -1), fov_y=math.radians(20))
 SUN = DirectionalLight((0.0, -1.0, 0.0), (math.pi, math.pi, math.pi))

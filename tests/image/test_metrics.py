@@ -6,13 +6,11 @@ import json
 import math
 
 import numpy as np
-import numpy.typing as npt
 import pytest
 
 from oitbench.image import files as images
 from oitbench.image import metrics
-
-Floats = npt.NDArray[np.float64]
+from oitbench.scene import Floats
 
 
 @pytest.fixture

@@ -6,18 +6,8 @@ import numpy as np
 import pytest
 
 from oitbench.measure.oracle import composite, transmittances
-from oitbench.scene import RGB, FragmentLists
-from tests.helpers import (
-    BLUE,
-    GREEN,
-    NOTHING,
-    RED,
-    WHITE,
-    Array64,
-    Layer,
-    random_lists,
-    stack,
-)
+from oitbench.scene import RGB, Floats, FragmentLists
+from tests.helpers import BLUE, GREEN, NOTHING, RED, WHITE, Layer, random_lists, stack
 
 
 def one(layers: list[Layer], background: RGB = NOTHING) -> list[float]:
@@ -26,7 +16,7 @@ def one(layers: list[Layer], background: RGB = NOTHING) -> list[float]:
     return [float(value) for value in found[0, 0]]
 
 
-def brute_force(lists: FragmentLists, background: RGB) -> Array64:
+def brute_force(lists: FragmentLists, background: RGB) -> Floats:
     """Return Σ αL Π τ + C0 Π τ, with one product over all nearer fragments for each fragment."""
     factor = transmittances(lists)
     total = np.asarray(background) * factor.prod(axis=0)

@@ -12,18 +12,8 @@ from hypothesis import strategies as st
 from oitbench.gl.device import Device
 from oitbench.measure import accounting
 from oitbench.measure.oracle import composite, transmittances
-from oitbench.scene import FragmentLists
-from tests.helpers import (
-    BACKGROUND,
-    NOTHING,
-    Array64,
-    Layer,
-    opened,
-    random_lists,
-    render,
-    scene_of,
-    stack,
-)
+from oitbench.scene import Floats, FragmentLists
+from tests.helpers import BACKGROUND, NOTHING, Layer, opened, random_lists, render, scene_of, stack
 from tests.models import absorbance as model
 
 MEMORIES = ("node=precise", "memory=fixed")
@@ -40,7 +30,7 @@ PIXELS_720P = 1280 * 720
 MIB = 2**20
 
 
-def expected(drawn: FragmentLists, curve: str, tinted: bool) -> Array64:
+def expected(drawn: FragmentLists, curve: str, tinted: bool) -> Floats:
     factors = transmittances(drawn)
     return model.composite(
         drawn.z.astype(np.float64),

@@ -14,13 +14,12 @@ from oitbench.gl.device import Device
 from oitbench.gl.frame import Image
 from oitbench.measure import accounting
 from oitbench.measure.oracle import composite, transmittances
-from oitbench.scene import FragmentLists
+from oitbench.scene import Floats, FragmentLists
 from tests.helpers import (
     BACKGROUND,
     NOTHING,
     RED,
     WHITE,
-    Array64,
     Layer,
     collection,
     opened,
@@ -76,8 +75,8 @@ def expected(
     removal: str = "under",
     tinted: bool = False,
     packed: bool = False,
-    depths: Array64 | None = None,
-) -> tuple[Array64, npt.NDArray[np.bool_]]:
+    depths: Floats | None = None,
+) -> tuple[Floats, npt.NDArray[np.bool_]]:
     factors = transmittances(given_lists)
     return model.composite(
         given_lists.z.astype(np.float64) if depths is None else depths,
@@ -91,7 +90,7 @@ def expected(
 
 
 def assert_agrees(
-    found: Image, truth: tuple[Array64, npt.NDArray[np.bool_]], allowed: float
+    found: Image, truth: tuple[Floats, npt.NDArray[np.bool_]], allowed: float
 ) -> None:
     """Compare wherever single precision cannot have removed another node: nearly everywhere."""
     picture, close = truth

@@ -7,7 +7,8 @@ import pytest
 
 from oitbench.gl.device import Device
 from oitbench.method.storage import Target
-from tests.helpers import Array64, all_passes, collection, full_plan, method, render
+from oitbench.scene import Floats
+from tests.helpers import all_passes, collection, full_plan, method, render
 
 SIZE = (96, 64)
 SCENES = (
@@ -22,7 +23,7 @@ SCENES = (
 SORTED = ("sorted_over[sort=triangle]", "sorted_over[sort=object]", "sorted_two_pass[sort=object]")
 
 
-def local_step(target: Target, image: Array64) -> Array64:
+def local_step(target: Target, image: Floats) -> Floats:
     """Return the distance of neighboring values of the target's format at each value of `image`."""
     octave = np.floor(np.log2(np.maximum(image, 0.5))) + 1
     return np.asarray(target.texel.step * 2.0**octave)

@@ -16,7 +16,7 @@ from oitbench.gl.device import Device
 from oitbench.measure import accounting
 from oitbench.measure.oracle import composite, transmittances
 from oitbench.method.kits.bounded_nodes import STEPS
-from oitbench.scene import FragmentLists
+from oitbench.scene import Floats, FragmentLists
 from tests.helpers import (
     BACKGROUND,
     BLUE,
@@ -24,7 +24,6 @@ from tests.helpers import (
     NOTHING,
     RED,
     WHITE,
-    Array64,
     Layer,
     keeps_promises,
     method,
@@ -38,7 +37,7 @@ from tests.helpers import (
 )
 from tests.models import bounded as model
 
-Model = Callable[[FragmentLists, npt.ArrayLike, int, str], Array64]
+Model = Callable[[FragmentLists, npt.ArrayLike, int, str], Floats]
 MODELS: dict[str, Model] = {
     "k_buffer": model.k_buffer,
     "multilayer_alpha": model.multilayer_alpha,

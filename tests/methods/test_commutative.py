@@ -12,7 +12,7 @@ from oitbench.gl.frame import Image
 from oitbench.measure import accounting
 from oitbench.measure.oracle import composite
 from oitbench.modeling.mesh import quad
-from oitbench.scene import Camera, FragmentLists, Material, Object, Scene
+from oitbench.scene import Camera, Floats, FragmentLists, Material, Object, Scene
 from tests.helpers import (
     BACKGROUND,
     BLUE,
@@ -20,7 +20,6 @@ from tests.helpers import (
     NOTHING,
     RED,
     WHITE,
-    Array64,
     Layer,
     method,
     opened,
@@ -40,7 +39,7 @@ precisions = st.sampled_from(["half", "float"])
 drawn = settings(max_examples=12, deadline=None, derandomize=True)
 
 
-def close(found: Image, expected: Array64, allowed: float | Array64) -> None:
+def close(found: Image, expected: Floats, allowed: float | Floats) -> None:
     assert (abs(found - expected) <= allowed).all(), abs(found - expected).max()
 
 

@@ -8,8 +8,8 @@ import pytest
 from oitbench.errors import CapabilityError
 from oitbench.gl.device import Device
 from oitbench.gl.frame import Frame
-from oitbench.measure.oracle import Array64, composite
-from oitbench.scene import FragmentLists, Scene
+from oitbench.measure.oracle import composite
+from oitbench.scene import Floats, FragmentLists, Scene
 from tests.helpers import (
     BLUE,
     RED,
@@ -35,7 +35,7 @@ def error(device: Device, scene: Scene, lists: FragmentLists, name: str) -> floa
     return float(abs(render(device, scene, name) - composite(lists, scene.background)).max())
 
 
-def compact_bound(lists: FragmentLists, background: Array64) -> Array64:
+def compact_bound(lists: FragmentLists, background: Floats) -> Floats:
     """Return how far packed records may be off, shape (h, w, 3).
 
     Composited from far to near, C <- c + (1 - o) C. With c and o each off by half a step h = 1/510,

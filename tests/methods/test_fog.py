@@ -20,6 +20,7 @@ from oitbench.scene import (
     Camera,
     DirectionalLight,
     EnvironmentLight,
+    Floats,
     Light,
     Material,
     Medium,
@@ -32,7 +33,7 @@ from tests.helpers import BACKGROUND, opened, render
 from tests.models import fog as model
 from tests.models import phenomenological
 
-Array64 = model.Array64
+Floats = Floats
 SIZE = (20, 14)
 STEPS = 8
 CAMERA = Camera((0, 0, 0), (0, 0, -1), fov_y=math.radians(40))
@@ -69,7 +70,7 @@ def targets(device: Device, scene: Scene, name: str = FLOAT, **options: Any) -> 
         return frame.read("accum"), frame.read("beta")
 
 
-def sums(slices: model.Slices) -> tuple[Array64, Array64]:
+def sums(slices: model.Slices) -> tuple[Floats, Floats]:
     """Return the sum of weighted layers (h, w, 4) and the transmittance (h, w)."""
     depth = 1 - CAMERA.near / slices.z
     weight = phenomenological.depth_weight(slices.coverage, depth) * slices.coverage
@@ -77,7 +78,7 @@ def sums(slices: model.Slices) -> tuple[Array64, Array64]:
     return (weight[..., None] * light).sum(axis=0), (1 - slices.coverage).prod(axis=0)
 
 
-def passed(scene: Scene) -> Array64:
+def passed(scene: Scene) -> Floats:
     """Return the transmittance of the fog of `scene`, in closed form for a constant density."""
     assert scene.medium is not None
     (only,) = model.march(scene.camera, scene.medium, SIZE, 1, behind=3.0).coverage

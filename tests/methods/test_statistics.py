@@ -17,7 +17,7 @@ from oitbench.gl.device import Device
 from oitbench.measure import accounting
 from oitbench.measure.oracle import composite, transmittances
 from oitbench.modeling.mesh import quad
-from oitbench.scene import RGB, Camera, FragmentLists, Material, Object, Scene
+from oitbench.scene import RGB, Camera, Floats, FragmentLists, Material, Object, Scene
 from tests.helpers import (
     BACKGROUND,
     BLUE,
@@ -25,7 +25,6 @@ from tests.helpers import (
     NOTHING,
     RED,
     WHITE,
-    Array64,
     Layer,
     collection,
     method,
@@ -54,14 +53,14 @@ SLACK = 1.1
 
 def trials(
     device: Device, layers: list[Layer], name: str, background: RGB = BACKGROUND
-) -> tuple[Array64, Array64]:
+) -> tuple[Floats, Floats]:
     """Return the picture's pixels, (n, 3), and the exact color, (3,)."""
     lists = stack(layers, SIDE)
     found = render(device, scene_of(lists, background), name).reshape(-1, 3)
     return found.astype(np.float64), composite(stack(layers, 1), background)[0, 0]
 
 
-def gathered(device: Device, layers: list[Layer], samples: int) -> Array64:
+def gathered(device: Device, layers: list[Layer], samples: int) -> Floats:
     """Return the uncorrected sum (alpha L v, o v) of depth-based sampling, (n, 4)."""
     name = f"stochastic[samples={samples},precision=float]"
     with opened(device, scene_of(stack(layers, SIDE), NOTHING), name) as frame:
@@ -69,13 +68,13 @@ def gathered(device: Device, layers: list[Layer], samples: int) -> Array64:
         return frame.read("sum").reshape(-1, 4).astype(np.float64)
 
 
-def assert_mean(found: Array64, expected: npt.ArrayLike) -> None:
+def assert_mean(found: Floats, expected: npt.ArrayLike) -> None:
     """Check a mean of independent trials by four standard deviations."""
     deviation = found.std(axis=0) / np.sqrt(len(found))
     assert (abs(found.mean(axis=0) - np.asarray(expected)) <= 4 * deviation + 1e-6).all()
 
 
-def independent_variance(layers: list[Layer], background: RGB, samples: int) -> Array64:
+def independent_variance(layers: list[Layer], background: RGB, samples: int) -> Floats:
     """Return the variance of a mean of samples that each show one surface by chance."""
     lists = stack(sorted(layers, key=lambda layer: layer.z), 1)
     opacity = 1 - transmittances(lists).mean(axis=-1)[:, 0, 0]

@@ -7,8 +7,9 @@ from collections.abc import Callable
 import numpy as np
 import numpy.typing as npt
 
-Array64 = npt.NDArray[np.float64]
-Curve = Callable[[Array64, Array64, Array64], Array64]
+from oitbench.scene import Floats
+
+Curve = Callable[[Floats, Floats, Floats], Floats]
 """Takes (u, a) of the layers, (n, ...), and places (m, ...); returns the absorbance before each."""
 
 
@@ -16,7 +17,7 @@ def opacity_map(slices: int) -> Curve:
     """Return the curve of sums up to each slice, linear between them."""
     edges = np.arange(slices + 1) / slices
 
-    def absorbed(u: Array64, a: Array64, places: Array64) -> Array64:
+    def absorbed(u: Floats, a: Floats, places: Floats) -> Floats:
         sums = [(np.where(u <= edge, a, 0)).sum(axis=0) for edge in edges]
         sums[0] = np.zeros_like(sums[0])
         index = np.minimum(np.floor(places * slices), slices - 1).astype(int)
@@ -31,8 +32,8 @@ def fourier_map(coefficients: int, lanczos: bool) -> Curve:
     """Return the truncated series, by Jansen & Bavoil's formula."""
     harmonics = (coefficients - 1) // 2
 
-    def absorbed(u: Array64, a: Array64, places: Array64) -> Array64:
-        sum_: Array64 = a.sum(axis=0) * places
+    def absorbed(u: Floats, a: Floats, places: Floats) -> Floats:
+        sum_: Floats = a.sum(axis=0) * places
         for k in range(1, harmonics + 1):
             frequency = 2 * np.pi * k
             cosine = 2 * (a * np.cos(frequency * u)).sum(axis=0)
@@ -45,8 +46,8 @@ def fourier_map(coefficients: int, lanczos: bool) -> Curve:
 
 
 def composite(
-    depths: Array64, colors: Array64, factors: Array64, background: npt.ArrayLike, absorbed: Curve
-) -> Array64:
+    depths: Floats, colors: Floats, factors: Floats, background: npt.ArrayLike, absorbed: Curve
+) -> Floats:
     """Return the picture of lists.
 
     Parameters

@@ -7,7 +7,8 @@ from dataclasses import dataclass, field
 import numpy as np
 import numpy.typing as npt
 
-Array64 = npt.NDArray[np.float64]
+from oitbench.scene import Floats
+
 SINGLE = 2e-6
 """Relative rounding of a product of tens of factors in single precision."""
 
@@ -84,14 +85,14 @@ class Curve:
 
 
 def composite(
-    depths: Array64,
-    colors: Array64,
-    factors: Array64,
+    depths: Floats,
+    colors: Floats,
+    factors: Floats,
     background: npt.ArrayLike,
     nodes: int,
     removal: str = "under",
     packed: bool = False,
-) -> tuple[Array64, npt.NDArray[np.bool_]]:
+) -> tuple[Floats, npt.NDArray[np.bool_]]:
     """Return the picture of lists in order of submission, and where it is `Curve.close`.
 
     Parameters

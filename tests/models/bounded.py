@@ -7,16 +7,15 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from oitbench.scene import FragmentLists
+from oitbench.scene import Floats, FragmentLists
 from tests.models.commutative import layers_of
 
-Array64 = npt.NDArray[np.float64]
 _EMPTY = float(np.finfo(np.float32).max)
 _TIES = {"8-bit": (3, 2, 1, 0), "16f": (1, 0, 3, 2), "32f": (0, 1, 2, 3)}
 """Channels by which nodes of equal depth are ordered: the packed words, high bits first."""
 
 
-def stored(color: Array64, node: str) -> Array64:
+def stored(color: Floats, node: str) -> Floats:
     """Return colors and opacities as a node of the format holds them."""
     if node == "8-bit":
         return np.asarray(np.rint(np.clip(color, 0, 1) * 255) / 255)
@@ -28,11 +27,11 @@ def stored(color: Array64, node: str) -> Array64:
 class Nodes:
     """Nodes of every pixel, near to far: depth (k, h, w), color and opacity (k, h, w, 4)."""
 
-    depth: Array64
-    color: Array64
+    depth: Floats
+    color: Floats
     node: str
 
-    def insert(self, depth: Array64, color: Array64) -> Array64:
+    def insert(self, depth: Floats, color: Floats) -> Floats:
         """Insert one node in every pixel; return the color that falls out, zero if none does."""
         for place in range(len(self.depth)):
             kept_depth, kept = self.depth[place].copy(), self.color[place].copy()
@@ -44,7 +43,7 @@ class Nodes:
         return color
 
     def _before(
-        self, depth: Array64, color: Array64, other_depth: Array64, other: Array64
+        self, depth: Floats, color: Floats, other_depth: Floats, other: Floats
     ) -> npt.NDArray[np.bool_]:
         before = depth < other_depth
         equal = depth == other_depth
@@ -53,7 +52,7 @@ class Nodes:
             equal &= color[..., channel] == other[..., channel]
         return np.asarray(before)
 
-    def composite(self) -> Array64:
+    def composite(self) -> Floats:
         """Return premultiplied color and opacity of all nodes."""
         total = np.zeros(self.color.shape[1:])
         for layer in self.color:
@@ -63,7 +62,7 @@ class Nodes:
 
 def gathered(
     lists: FragmentLists, k: int, node: str, merging: bool = False
-) -> tuple[Nodes, list[Array64]]:
+) -> tuple[Nodes, list[Floats]]:
     """Insert all fragments as submitted; return the nodes, and what fell out of them.
 
     With `merging`, what falls out is composited into the last node.
@@ -84,21 +83,21 @@ def gathered(
     return nodes, fallen
 
 
-def _over(front: Array64, background: npt.ArrayLike) -> Array64:
+def _over(front: Floats, background: npt.ArrayLike) -> Floats:
     return np.asarray(front[..., :3] + (1 - front[..., 3:]) * np.asarray(background))
 
 
-def k_buffer(lists: FragmentLists, background: npt.ArrayLike, k: int, node: str) -> Array64:
+def k_buffer(lists: FragmentLists, background: npt.ArrayLike, k: int, node: str) -> Floats:
     """Return the k nearest layers over the background."""
     return _over(gathered(lists, k, node)[0].composite(), background)
 
 
-def multilayer_alpha(lists: FragmentLists, background: npt.ArrayLike, k: int, node: str) -> Array64:
+def multilayer_alpha(lists: FragmentLists, background: npt.ArrayLike, k: int, node: str) -> Floats:
     """Return all layers, merged as they came; Salvi & Vaidyanathan 2014."""
     return _over(gathered(lists, k, node, merging=True)[0].composite(), background)
 
 
-def hybrid(lists: FragmentLists, background: npt.ArrayLike, k: int, node: str) -> Array64:
+def hybrid(lists: FragmentLists, background: npt.ArrayLike, k: int, node: str) -> Floats:
     """Return the k nearest layers over the weighted average of all others; Maule et al. 2013."""
     nodes, fallen = gathered(lists, k, node)
     total, number = np.zeros(fallen[0].shape), np.zeros(fallen[0].shape[:-1])

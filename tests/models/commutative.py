@@ -8,12 +8,10 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from oitbench.scene import FragmentLists
-
-Array64 = npt.NDArray[np.float64]
+from oitbench.scene import Floats, FragmentLists
 
 
-def layers_of(lists: FragmentLists) -> tuple[Array64, Array64]:
+def layers_of(lists: FragmentLists) -> tuple[Floats, Floats]:
     """Return color and opacity of every fragment."""
     alpha = lists.coverage.astype(np.float64)
     color = alpha[..., None] * lists.radiance.astype(np.float64)
@@ -21,7 +19,7 @@ def layers_of(lists: FragmentLists) -> tuple[Array64, Array64]:
     return color, opacity
 
 
-def weighted_sum(lists: FragmentLists, background: npt.ArrayLike, clamp: bool = False) -> Array64:
+def weighted_sum(lists: FragmentLists, background: npt.ArrayLike, clamp: bool = False) -> Floats:
     """Return sum alpha L + C0 (1 - sum o); Meshkin 2007."""
     color, opacity = layers_of(lists)
     left = 1 - opacity.sum(axis=0)[..., None]
@@ -29,7 +27,7 @@ def weighted_sum(lists: FragmentLists, background: npt.ArrayLike, clamp: bool = 
     return np.asarray(color.sum(axis=0) + np.asarray(background) * kept)
 
 
-def weighted_average(lists: FragmentLists, background: npt.ArrayLike) -> Array64:
+def weighted_average(lists: FragmentLists, background: npt.ArrayLike) -> Floats:
     """Return n layers of mean color and mean opacity; Bavoil & Myers 2008."""
     color, opacity = layers_of(lists)
     total = opacity.sum(axis=0)
@@ -40,7 +38,7 @@ def weighted_average(lists: FragmentLists, background: npt.ArrayLike) -> Array64
     return np.asarray(mean + np.asarray(background) * passed[..., None])
 
 
-def weight(equation: int, z: Array64, near: float = 0.1) -> Array64:
+def weight(equation: int, z: Floats, near: float = 0.1) -> Floats:
     """Return McGuire & Bavoil 2013, eq. 7 to 10, without their factor o; z in metres."""
     if equation == 10:
         return np.maximum(1e-2, 3e3 * (near / z) ** 3)
@@ -52,7 +50,7 @@ def weight(equation: int, z: Array64, near: float = 0.1) -> Array64:
     return np.clip(bare, 1e-2, 3e3)
 
 
-def weighted_blended(lists: FragmentLists, background: npt.ArrayLike, equation: int) -> Array64:
+def weighted_blended(lists: FragmentLists, background: npt.ArrayLike, equation: int) -> Floats:
     """Return the weighted mean color over the background seen through all layers."""
     color, opacity = layers_of(lists)
     w = opacity * weight(equation, lists.z.astype(np.float64))

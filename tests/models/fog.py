@@ -11,9 +11,16 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from oitbench.scene import PENUMBRA, Camera, DirectionalLight, FragmentLists, Medium, SpotLight
+from oitbench.scene import (
+    PENUMBRA,
+    Camera,
+    DirectionalLight,
+    Floats,
+    FragmentLists,
+    Medium,
+    SpotLight,
+)
 
-Array64 = npt.NDArray[np.float64]
 Words = npt.NDArray[np.uint64]
 _MASK = np.uint64(0xFFFFFFFF)
 
@@ -22,9 +29,9 @@ _MASK = np.uint64(0xFFFFFFFF)
 class Slices:
     """Layers that stand for a medium: z and coverage (n, h, w), radiance (n, h, w, 3)."""
 
-    z: Array64
-    coverage: Array64
-    radiance: Array64
+    z: Floats
+    coverage: Floats
+    radiance: Floats
 
     def lists(self) -> FragmentLists:
         """Return the same layers as fragments that a scene gives outright."""
@@ -37,7 +44,7 @@ class Slices:
         )
 
 
-def phase(cosine: npt.ArrayLike, g: float) -> Array64:
+def phase(cosine: npt.ArrayLike, g: float) -> Floats:
     """Return Henyey & Greenstein's p, 1/sr."""
     base = 1 + g * g - 2 * g * np.asarray(cosine, dtype=np.float64)
     return np.asarray((1 - g * g) / (4 * np.pi * base**1.5))
@@ -54,7 +61,7 @@ def pcg3d(x: Words, y: Words, z: Words) -> Words:
     return v[0]
 
 
-def jitter(size: tuple[int, int]) -> Array64:
+def jitter(size: tuple[int, int]) -> Floats:
     """Return the part of a slice at which each pixel samples."""
     width, height = size
     x, y = np.meshgrid(np.arange(width, dtype=np.uint64), np.arange(height, dtype=np.uint64)[::-1])
@@ -64,7 +71,7 @@ def jitter(size: tuple[int, int]) -> Array64:
     return np.asarray((bayer[y % four, x % four] / 16 + drawn) % 1)
 
 
-def rays(camera: Camera, size: tuple[int, int]) -> Array64:
+def rays(camera: Camera, size: tuple[int, int]) -> Floats:
     """Return world directions through pixel centers, one metre of view distance long, (h, w, 3)."""
     width, height = size
     pixel = 2 * np.tan(camera.fov_y / 2) / height
@@ -74,7 +81,7 @@ def rays(camera: Camera, size: tuple[int, int]) -> Array64:
     return np.asarray(ahead @ camera.axes)
 
 
-def density(medium: Medium, points: Array64) -> Array64:
+def density(medium: Medium, points: Floats) -> Floats:
     """Return the density at points (..., 3): linear between cells, the outermost repeated."""
     if medium.density is None:
         return np.ones(points.shape[:-1])
@@ -92,7 +99,7 @@ def density(medium: Medium, points: Array64) -> Array64:
     return total
 
 
-def beam(light: DirectionalLight | SpotLight, points: Array64) -> tuple[Array64, Array64]:
+def beam(light: DirectionalLight | SpotLight, points: Floats) -> tuple[Floats, Floats]:
     """Return the direction of travel and the irradiance at points (..., 3), without shadows."""
     if isinstance(light, DirectionalLight):
         travel = np.asarray(light.direction) / np.linalg.norm(light.direction)
@@ -117,7 +124,7 @@ def march(
     behind: npt.ArrayLike = np.inf,
     lights: Sequence[DirectionalLight | SpotLight] = (),
     ambient: npt.ArrayLike = 0.0,
-    visibility: Callable[[Array64], npt.ArrayLike] = lambda points: 1.0,
+    visibility: Callable[[Floats], npt.ArrayLike] = lambda points: 1.0,
 ) -> Slices:
     """Return `steps` slices between the near plane and the view distance `behind`, m.
 

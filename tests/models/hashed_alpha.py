@@ -5,15 +5,13 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from oitbench.scene import FragmentLists
+from oitbench.scene import Floats, FragmentLists
 from tests.models.commutative import layers_of
-
-Array64 = npt.NDArray[np.float64]
 
 
 def composite(
     lists: FragmentLists, background: npt.ArrayLike, thresholds: npt.NDArray[np.float32]
-) -> Array64:
+) -> Floats:
     """Return what the nearest fragment shows whose opacity reaches its threshold, (n, h, w)."""
     color, opacity = layers_of(lists)
     kept = np.asarray(opacity.astype(np.float32) >= thresholds)

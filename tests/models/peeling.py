@@ -8,14 +8,10 @@ import numpy as np
 import numpy.typing as npt
 
 from oitbench.measure.oracle import composite
-from oitbench.scene import FragmentLists
-
-Array64 = npt.NDArray[np.float64]
+from oitbench.scene import Floats, FragmentLists
 
 
-def peeled(
-    lists: FragmentLists, background: npt.ArrayLike, layers: int, both_ends: bool
-) -> Array64:
+def peeled(lists: FragmentLists, background: npt.ArrayLike, layers: int, both_ends: bool) -> Floats:
     """Composite the first `layers` of each pixel; with `both_ends`, as many from either end.
 
     Parameters

@@ -6,14 +6,13 @@ import numpy as np
 import numpy.typing as npt
 
 from oitbench.measure.oracle import transmittances
-from oitbench.scene import FragmentLists
+from oitbench.scene import Floats, FragmentLists
 from tests.models.commutative import layers_of
 
-Array64 = npt.NDArray[np.float64]
 K0, K1 = 0.25, 0.5
 
 
-def depth_weight(opacity: Array64, depth: Array64, equation: str = "eq5") -> Array64:
+def depth_weight(opacity: Floats, depth: Floats, equation: str = "eq5") -> Floats:
     """Return w of net opacity and window depth."""
     near = 1 - 0.99 * depth
     if equation == "g3d":
@@ -21,7 +20,7 @@ def depth_weight(opacity: Array64, depth: Array64, equation: str = "eq5") -> Arr
     return np.clip((10 * near * opacity) ** 3, 0.01, 30)
 
 
-def self_modulation(beta: Array64, kind: str) -> Array64:
+def self_modulation(beta: Floats, kind: str) -> Floats:
     """Return the factor on the mean layer."""
     most = beta.max(axis=-1, keepdims=True)
     if kind == "tvcg":
@@ -37,7 +36,7 @@ def composite(
     modulation: str = "tvcg",
     equation: str = "eq5",
     near: float = 0.1,
-) -> Array64:
+) -> Floats:
     """Return beta C0 + (1 − beta) S U for fragments that neither bend nor blur."""
     color, opacity = layers_of(lists)
     w = depth_weight(opacity, 1 - near / lists.z.astype(np.float64), equation)
@@ -51,14 +50,14 @@ def composite(
 
 def blur(
     focal: float, collimation: float, weight: float, z: npt.ArrayLike, behind: npt.ArrayLike
-) -> Array64:
+) -> Floats:
     """Return one layer's D in pixels; `focal` in pixels, distances in metres."""
     distance = np.asarray(z, dtype=np.float64)
     gap = np.abs(np.asarray(behind, dtype=np.float64) - distance)
     return np.asarray(focal * K0 * (1 - collimation) * weight * (1 - K1 / (K1 + gap)) / distance)
 
 
-def bent(toward_eye: Array64, normal: Array64, eta: float) -> Array64:
+def bent(toward_eye: Floats, normal: Floats, eta: float) -> Floats:
     """Return unit directions of light's path behind a surface, by Snell; all (..., 3), or NaN."""
     cosine = (toward_eye * normal).sum(axis=-1, keepdims=True)
     k = 1 - eta**2 * (1 - cosine**2)
@@ -68,8 +67,8 @@ def bent(toward_eye: Array64, normal: Array64, eta: float) -> Array64:
 
 
 def gather(
-    picture: Array64, blurs: Array64, offset: Array64, radius: int, kernel: str = "disk"
-) -> Array64:
+    picture: Floats, blurs: Floats, offset: Floats, radius: int, kernel: str = "disk"
+) -> Floats:
     """Return the picture blurred over D = `blurs`, at `offset` (..., 2) pixels right and down."""
     height, width = blurs.shape
     out = picture.copy()

@@ -9,10 +9,9 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from oitbench.scene import FragmentLists
+from oitbench.scene import Floats, FragmentLists
 from tests.models.commutative import layers_of
 
-Array64 = npt.NDArray[np.float64]
 Words = npt.NDArray[np.uint32]
 
 
@@ -73,7 +72,7 @@ def composite(
     samples: int,
     correction: str,
     seed: int = 1,
-) -> Array64:
+) -> Floats:
     """Return the picture of lists in order of submission, grey or without transmission."""
     color, opacity = layers_of(lists)
     rounds = -(-samples // 32)

@@ -20,6 +20,7 @@ from oitbench.scene import (
     Camera,
     DirectionalLight,
     EnvironmentLight,
+    Floats,
     Material,
     Object,
     Scene,
@@ -29,7 +30,6 @@ from oitbench.scene import (
 from tests.path_traced.agreement import assert_mean, needs_mitsuba
 
 pytestmark = needs_mitsuba
-Floats = npt.NDArray[np.float64]
 
 SIZE = (6, 5)
 ABOVE = Camera((0.3, 4.0, 3.0))

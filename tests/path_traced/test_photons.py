@@ -25,6 +25,7 @@ from oitbench.scene import (
     WHITE,
     Camera,
     DirectionalLight,
+    Floats,
     Light,
     Material,
     Mesh,
@@ -43,7 +44,6 @@ CLEAR = 1.0001
 FLOOR = quad((0, 0, 0), (4, 0, 0), (0, 0, -4))
 SLAB = box((0, 1, 0), (2, 0.5, 2))
 COUNT = 150_000
-Floats = npt.NDArray[np.float64]
 
 
 def _glass(index: float, transmission: RGB = WHITE, albedo: RGB = BLACK) -> Material:

@@ -6,17 +6,24 @@ import dataclasses
 import math
 
 import numpy as np
-import numpy.typing as npt
 import pytest
 
 from oitbench.modeling.mesh import box, quad, sphere
 from oitbench.path_traced.optics.materials import interface_roughness, spread
 from oitbench.path_traced.trace.render import render
-from oitbench.scene import RGB, Camera, DirectionalLight, EnvironmentLight, Material, Object, Scene
+from oitbench.scene import (
+    RGB,
+    Camera,
+    DirectionalLight,
+    EnvironmentLight,
+    Floats,
+    Material,
+    Object,
+    Scene,
+)
 from tests.path_traced.agreement import assert_mean, needs_mitsuba
 
 pytestmark = needs_mitsuba
-Floats = npt.NDArray[np.float64]
 
 TINT: RGB = (0.9, 0.6, 0.3)
 WHITE: RGB = (1.0, 1.0, 1.0)

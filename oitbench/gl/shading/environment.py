@@ -6,12 +6,9 @@ import math
 
 import moderngl
 import numpy as np
-import numpy.typing as npt
 
 from oitbench.gl.device import Device
-from oitbench.scene import EnvironmentLight, Texture
-
-Floats = npt.NDArray[np.float64]
+from oitbench.scene import Floats
 
 
 def upload_environment(device: Device, texels: Floats) -> moderngl.Texture:
@@ -24,16 +21,6 @@ def upload_environment(device: Device, texels: Floats) -> moderngl.Texture:
     texture.filter = (moderngl.LINEAR_MIPMAP_LINEAR, moderngl.LINEAR)
     texture.repeat_x, texture.repeat_y = True, False
     return texture
-
-
-def environment_texels(light: EnvironmentLight) -> Floats:
-    """Return the map of latitude and longitude, shape (h, w, 3), first row straight up (+y).
-
-    A constant environment gives a map of 2 × 4 texels.
-    """
-    if isinstance(light.radiance, Texture):
-        return light.radiance.texels.astype(np.float64)
-    return np.broadcast_to(np.asarray(light.radiance, dtype=np.float64), (2, 4, 3))
 
 
 def irradiance_harmonics(texels: Floats) -> Floats:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import moderngl
 import numpy as np
-import numpy.typing as npt
 
 from oitbench.effects import Effect
 from oitbench.gl.device import Device
@@ -14,18 +13,16 @@ from oitbench.gl.ownership import Owner
 from oitbench.gl.program.bindings import LIGHTS_BINDING, MEDIUM_BINDING
 from oitbench.gl.program.shading_inputs import Sampled, ShadingInputs
 from oitbench.gl.shading.environment import (
-    environment_texels,
     irradiance_harmonics,
     upload_environment,
 )
 from oitbench.gl.shading.medium import UploadedMedium
 from oitbench.gl.shading.shadows import ShadowMaps
 from oitbench.gl.view import Projection, light_projection
-from oitbench.scene import PENUMBRA, DirectionalLight, SpotLight
+from oitbench.scene import PENUMBRA, DirectionalLight, Floats, SpotLight
 
 MAP_SIDE = 1024
 """Texels along each side of a light's depth maps; variance maps have a quarter."""
-Floats = npt.NDArray[np.float64]
 _CASTING = Effect.SHADOWS | Effect.TRANSLUCENT_SHADOWS
 _NO_PROJECTION = Projection(np.eye(4), np.eye(4), 1.0, 2.0, 1.0, np.zeros(4))
 
@@ -73,7 +70,7 @@ class Lighting(Owner):
                 for projection in self._projections
             ]
             if scene.environment is not None:
-                texels = environment_texels(scene.environment)
+                texels = scene.environment.texels
                 harmonics = irradiance_harmonics(texels)
                 self._environment = self.own(upload_environment(device, texels))
             self.medium = self.own(UploadedMedium(device, scene.medium))

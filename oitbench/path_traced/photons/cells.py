@@ -12,6 +12,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from oitbench.scene import Floats
+
 BITS = 20
 """Bits of a key for each coordinate."""
 WIDER_BITS = 2
@@ -27,7 +29,6 @@ MOST_PENDING = 1 << 22
 """Photons that are kept before they are summed: 40 bytes each."""
 
 Keys = npt.NDArray[np.uint64]
-Floats = npt.NDArray[np.float64]
 
 
 class PhotonCells:

@@ -15,9 +15,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from oitbench.scene import PENUMBRA, DirectionalLight, SpotLight
-
-Floats = npt.NDArray[np.float64]
+from oitbench.scene import PENUMBRA, DirectionalLight, Floats, SpotLight, axes_along
 
 CELLS = 256
 """Largest number of cells on the longer side of the grid."""
@@ -43,7 +41,7 @@ class Emission:
     origin : array, shape (3,)
         Metres. The position of a spot light, or a point on a plane in front of the whole scene.
     low : array, shape (2,)
-        Corner of the grid: in metres for a parallel projection, as tangents for a central one.
+        Corner of the grid: in meters for a parallel projection, as tangents for a central one.
     side : float
         Side of a cell, in the same unit.
     cells : array, shape (k, 2), uint32
@@ -51,7 +49,7 @@ class Emission:
     photons : int
         Number of photons for each cell.
     distance : float
-        Mean distance of the targets from a spot light in metres; 1 for a parallel projection.
+        Mean distance of the targets from a spot light in meters; 1 for a parallel projection.
     """
 
     light: DirectionalLight | SpotLight
@@ -77,7 +75,7 @@ class Emission:
         ----------
         light : DirectionalLight or SpotLight
         triangles : array, shape (n, 3, 3)
-            Corners in metres.
+            Corners in meters.
         count : int
         bounds : (array, array)
             Lowest and highest corner of the scene's bounding box. The photons of a directional
@@ -89,14 +87,14 @@ class Emission:
             None if all triangles are outside of the cone of a spot light.
         """
         if isinstance(light, DirectionalLight):
-            axes = _axes(light.direction)
+            axes = axes_along(light.direction)
             origin = _outside(axes, bounds)
             local = (triangles - origin) @ axes.T
             low, high = local[..., :2].min(axis=1), local[..., :2].max(axis=1)
             distance = 1.0
         else:
             origin = np.asarray(light.position, dtype=np.float64)
-            axes = _axes(light.target - origin)
+            axes = axes_along(light.target - origin)
             local = (triangles - origin) @ axes.T
             low, high = _central(local, math.tan(light.angle / 2))
             distance = float(np.linalg.norm(local, axis=-1).mean())
@@ -160,14 +158,6 @@ class Emission:
         ray = mitsuba.Ray3f(origin, (right * x + up * y + forward) * cosine)
         # An area dA of the plane at distance 1 subtends the solid angle cos³ dA.
         return ray, power * drjit.clip(faded, 0, 1) * cosine * cosine * cosine
-
-
-def _axes(direction: npt.ArrayLike) -> Floats:
-    forward = np.asarray(direction, dtype=np.float64)
-    forward = forward / np.linalg.norm(forward)
-    right = np.cross(np.eye(3)[np.abs(forward).argmin()], forward)
-    right /= np.linalg.norm(right)
-    return np.stack([right, np.cross(forward, right), forward])
 
 
 def _outside(axes: Floats, bounds: tuple[Floats, Floats]) -> Floats:

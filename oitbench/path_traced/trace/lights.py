@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from oitbench.scene import PENUMBRA, Array, DirectionalLight, Scene, SpotLight, Texture
+from oitbench.scene import PENUMBRA, RGB, Array, DirectionalLight, Scene, SpotLight, Texture
 
 LEAST_SIDE = 4
 """Least number of texels along a side of the map by which directions are sampled."""
@@ -126,12 +126,11 @@ class TracedEnvironment:
     def build(cls, mitsuba: Any, drjit: Any, scene: Scene) -> TracedEnvironment:
         """Upload the environment light of `scene`, or its background."""
         light = scene.environment
-        radiance = scene.background if light is None else light.radiance
-        if not isinstance(radiance, Texture):
-            value = [float(part) for part in radiance]
-            color = mitsuba.Color3f(drjit.opaque(mitsuba.Vector3f, value))
-            return cls(mitsuba, drjit, light is not None and any(value), tuple(value), color)
-        texels = _texels(radiance).astype(np.float32)
+        if light is None:
+            return cls._of_color(mitsuba, drjit, scene.background, False)
+        if not isinstance(light.radiance, Texture):
+            return cls._of_color(mitsuba, drjit, light.radiance, any(light.radiance))
+        texels = light.texels.astype(np.float32)
         # Longitude wraps: each edge gets a column of the opposite edge.
         wide = np.concatenate([texels[:, -1:], texels, texels[:, :1]], axis=1)
         texture = mitsuba.Texture2f(
@@ -146,6 +145,12 @@ class TracedEnvironment:
         emitter = _direction_sampler(mitsuba, texels) if texels.any() else None
         lights = emitter is not None
         return cls(mitsuba, drjit, lights, tuple(mean.tolist()), None, texture, emitter)
+
+    @classmethod
+    def _of_color(cls, mitsuba: Any, drjit: Any, color: RGB, lights: bool) -> TracedEnvironment:
+        value = [float(part) for part in color]
+        constant = mitsuba.Color3f(drjit.opaque(mitsuba.Vector3f, value))
+        return cls(mitsuba, drjit, lights, tuple(value), constant)
 
     def radiance(self, d: Any) -> Any:
         """Return the radiance from the unit direction `d`, Color3f; bilinear in the map."""
@@ -190,12 +195,6 @@ class TracedEnvironment:
         d = drjit.select(one < 0.5, own, sample.d)
         sample.d = d
         return d, 0.5 * (density(d) + self.emitter.pdf_direction(si, sample))
-
-
-def _texels(radiance: Texture) -> Array:
-    """Return the texels of a map, shape (h, w, 3)."""
-    texels = radiance.texels
-    return np.repeat(texels[..., None], 3, axis=2) if texels.ndim == 2 else texels
 
 
 def _direction_sampler(mitsuba: Any, texels: Array) -> Any:
