@@ -1,12 +1,12 @@
 #!/usr/bin/env bash
-# Sets everything up, runs the quick matrix, writes its report and tells where it is.
+# Sets everything up, runs the quick matrix, writes its report and prints its path.
 #
 #   ./reproduce.sh                       results/ and results/report/
 #   ./reproduce.sh --preset standard     further arguments go to `oitbench run`
 #   ./reproduce.sh --setup-only [EXTRA]  the set-up alone, with an optional extra of pyproject.toml
 #
-# Needs Debian or Ubuntu with Python 3.10 or newer; PYTHON names another interpreter. Run it again
-# at will: what is there is kept.
+# Needs Debian or Ubuntu with Python 3.10 or newer; PYTHON names another interpreter. It can be
+# run again; installed parts are kept.
 set -euo pipefail
 
 root=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")" && pwd)
@@ -23,7 +23,7 @@ check_python() {
         fail "$("$system_python" -V) is too old; Python 3.10 is the oldest that works (set PYTHON)"
 }
 
-# Whether the dynamic linker finds a library whose name matches a pattern.
+# Succeeds if the dynamic linker finds a library with a matching name.
 has_library() {
     PATH="$PATH:/usr/sbin:/sbin" ldconfig -p | grep -E "^[[:space:]]*$1" >/dev/null
 }
@@ -33,8 +33,8 @@ has_gl_driver() {
         grep -qx installed || has_library 'libEGL_nvidia\.so' || has_library 'libgallium-'
 }
 
-# The LLVM package to install: 19 where the distribution has it, else the newest that drjit can use;
-# $1 where none is known. Without any, path tracing falls back to a slower variant.
+# The LLVM package to install: 19 if the distribution has it, else the newest that drjit can use, else
+# $1. Without LLVM, path tracing uses a slower variant.
 llvm_package() {
     local known
     known=$(apt-cache search --names-only '^libllvm(1[7-9]|2[0-2])(t64)?$' 2>/dev/null | cut -d' ' -f1)
@@ -42,8 +42,8 @@ llvm_package() {
     grep -E '^libllvm19(t64)?$' <<<"$known" || sort --version-sort <<<"$known" | tail -n 1
 }
 
-# Prints the packages whose content this machine lacks; $1 is the LLVM to ask for if none is known.
-# drjit ends the process with an LLVM before 17.
+# Prints the missing packages; $1 is the LLVM to install if none is known. drjit aborts with an LLVM
+# before 17.
 missing_packages() {
     "$system_python" -c 'import ensurepip, venv' 2>/dev/null || echo python3-venv
     has_library 'libatomic\.so\.1' || echo libatomic1
@@ -63,15 +63,15 @@ install_packages() {
         say "  sudo apt-get install -y --no-install-recommends ${missing[*]}"
         exit 1
     fi
-    "${as_root[@]}" apt-get update -qq || say "apt-get update failed; trying with what is known"
-    readarray -t missing < <(missing_packages '') # Which LLVM there is may be known only now.
+    "${as_root[@]}" apt-get update -qq || say "apt-get update failed; trying the packages that are known"
+    readarray -t missing < <(missing_packages '') # The update may have made an LLVM known.
     ((${#missing[@]})) || return 0
     say "Installing ${missing[*]} ..."
     "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive \
         apt-get install -y -qq --no-install-recommends "${missing[@]}" >/dev/null
 }
 
-# Makes .venv with the project and an extra of it; quick where that was done for this pyproject.toml.
+# Makes .venv with the project and an extra; returns at once if this pyproject.toml is installed.
 install_project() {
     local extra=${1:-} stamp=$root/.venv/installed wanted
     wanted="$(cksum <"$root/pyproject.toml") $root"
@@ -82,12 +82,12 @@ install_project() {
     elif [[ -f $stamp && $(<"$stamp") == "$wanted" ]]; then
         return 0
     fi
-    say "Installing oitbench and what it needs into .venv (a minute or two the first time) ..."
+    say "Installing oitbench and its dependencies into .venv (a minute or two the first time) ..."
     "$python" -m pip install -qq --disable-pip-version-check -e "$root${extra:+[$extra]}"
     tee "$root/.venv/installed" <<<"$wanted" >"$stamp"
 }
 
-# The folder that the last --out among the arguments names.
+# Prints the folder of results: the last --out among the arguments.
 results_folder() {
     local folder=$root/results
     while (($#)); do

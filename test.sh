@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# The same set-up as reproduce.sh, then format, lint, types, layers and tests; arguments go to pytest.
-# All of them run; it fails if one of them does.
+# Sets everything up like reproduce.sh, then checks format, lint, types and layers, and runs the
+# tests. Arguments go to pytest. All checks run; the script fails if one of them does.
 set -euo pipefail
 
 cd -- "$(dirname -- "${BASH_SOURCE[0]}")"

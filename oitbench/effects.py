@@ -1,4 +1,4 @@
-"""The effects that a scene can call for and a method can express."""
+"""The effects that a scene can request and a method can express."""
 
 from __future__ import annotations
 
@@ -6,20 +6,21 @@ import enum
 
 
 class Effect(enum.Flag):
-    """A phenomenon of transparency; `Scene.effects` derives which ones a scene calls for.
+    """A phenomenon of transparency. `Scene.effects` derives the effects that a scene requests.
 
-    What is simulated is called ∩ expressed: nothing else leaves a target, a pass or a define.
+    Only effects that are requested and expressed are simulated; no others cost a target, a pass or
+    a macro.
     """
 
     NONE = 0
     COVERAGE = enum.auto()
-    """Some surface lets grey light through: net opacity below one."""
+    """Some surface has an opacity below one."""
     COLORED_TRANSMISSION = enum.auto()
     """Some transmission differs between wavelengths."""
     REFRACTION = enum.auto()
     """Some solid has a refractive index other than one."""
     DIFFUSION = enum.auto()
-    """Some collimation is below one: light that passes is spread."""
+    """Some collimation is below one: transmitted light is spread."""
     SHADOWS = enum.auto()
     """A light and an opaque caster."""
     TRANSLUCENT_SHADOWS = enum.auto()
@@ -44,7 +45,7 @@ SHADING = (
     | Effect.AMBIENT_OCCLUSION
     | Effect.INFERRED_AO
 )
-"""What happens before compositing, and so is the same for every method."""
+"""Effects of shading, before compositing; they are the same for every method."""
 
 
 def names(effects: Effect) -> list[str]:

@@ -1,4 +1,4 @@
-"""What can go wrong at the edge: each message is one line that names the culprit and the mend."""
+"""Errors for users: each message is one line that names the culprit and the fix."""
 
 from __future__ import annotations
 
@@ -7,11 +7,11 @@ from collections.abc import Iterable
 
 
 class OitbenchError(Exception):
-    """Base of all errors that a user can mend; the command line prints it and exits with 2."""
+    """Base of all errors that a user can fix; the command line prints it and exits with 2."""
 
 
 class UsageError(OitbenchError):
-    """A wrong name, value, size or folder was given."""
+    """A name, value, size or folder is wrong."""
 
 
 class SceneError(OitbenchError):
@@ -23,7 +23,7 @@ class DeclarationError(OitbenchError):
 
 
 class CapabilityError(OitbenchError):
-    """The OpenGL or Mitsuba of this machine lacks what was asked for; the cell is skipped."""
+    """The machine's OpenGL or Mitsuba lacks a required capability; the cell is skipped."""
 
 
 def unknown(kind: str, name: str, known: Iterable[str]) -> UsageError:
@@ -32,9 +32,9 @@ def unknown(kind: str, name: str, known: Iterable[str]) -> UsageError:
     Parameters
     ----------
     kind : str
-        What the name should have been, as in "method".
+        Kind of the name, as in "method".
     name : str
-        The name that was given.
+        The wrong name.
     known : iterable of str
         All valid names.
     """

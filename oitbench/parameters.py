@@ -30,7 +30,7 @@ class Parameter(Generic[V]):
     low, high : float, optional
         Inclusive bounds of a number.
     grid : tuple, optional
-        Values that the larger presets run. Default: `default` alone.
+        Values that the larger presets run. Default: only `default`.
     help : str
         Meaning and unit, in one line.
     """

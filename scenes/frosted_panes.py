@@ -45,7 +45,7 @@ CLAY = Material(albedo=(0.62, 0.20, 0.09), specular=0.05, roughness=0.35)
 LIGHT_PAINT = Material(albedo=(0.80, 0.79, 0.75), specular=0.0)
 DARK_PAINT = Material(albedo=(0.05, 0.09, 0.20), specular=0.0)
 PALE_TILE = Material(albedo=(0.66, 0.65, 0.62), specular=0.0)
-GREY_TILE = Material(albedo=(0.42, 0.43, 0.44), specular=0.0)
+GRAY_TILE = Material(albedo=(0.42, 0.43, 0.44), specular=0.0)
 PALE_PAPER = Material(albedo=(0.66, 0.68, 0.70), specular=0.0)
 BLUE_PAPER = Material(albedo=(0.30, 0.43, 0.52), specular=0.0)
 STEEL = Material(albedo=(0.10, 0.10, 0.11), specular=0.3, roughness=0.5)
@@ -92,13 +92,13 @@ def _stage() -> list[Object]:
     """Return the tiled floor, the striped wall, and the rail from which the panes hang."""
     columns, rows = 40, 20
     across, middle = (columns * TILE / 2, 0.0, 0.0), WALL + rows * TILE / 2
-    pale, grey = checkers((0, 0, middle), across, (0, 0, -rows * TILE / 2), columns, rows)
+    pale, gray = checkers((0, 0, middle), across, (0, 0, -rows * TILE / 2), columns, rows)
     paper, stripes = checkers((0, 2.0, WALL), across, (0, 2.0, 0), columns // 2, 1)
     length = PITCH * len(COLLIMATIONS)
     rail = box((0, HEIGHT + 2 * GAP + RAIL / 2, 0), (length, RAIL, RAIL))
     return [
         Object("pale tiles", pale, PALE_TILE, casts=False),
-        Object("grey tiles", grey, GREY_TILE, casts=False),
+        Object("gray tiles", gray, GRAY_TILE, casts=False),
         Object("pale paper", paper, PALE_PAPER, casts=False),
         Object("blue stripes", stripes, BLUE_PAPER, casts=False),
         Object("rail", rail, STEEL),

@@ -13,7 +13,7 @@ palette : str
 radiance : float
     Factor on the colors, for high dynamic range.
 transmission : str
-    "none" for t = 0, "grey" for t = `clarity`, "colored" for t = `clarity` times the color.
+    "none" for t = 0, "gray" for t = `clarity`, "colored" for t = `clarity` times the color.
 clarity : float
     In [0, 1].
 first, spacing, near : float
@@ -59,7 +59,7 @@ PALETTES: dict[str, tuple[RGB, ...]] = {
     "red_blue": ((0.90, 0.10, 0.10), (0.10, 0.10, 0.90)),
     "blue_red": ((0.10, 0.10, 0.90), (0.90, 0.10, 0.10)),
     "red_white": ((1.0, 0.0, 0.0), WHITE),
-    "grey": ((0.5, 0.5, 0.5),),
+    "gray": ((0.5, 0.5, 0.5),),
     "white": (WHITE,),
 }
 WIDEST_ASPECT = 4.0
@@ -73,9 +73,9 @@ parameters = {
     ),
     "radiance": Parameter(1.0, low=0.0, help="factor on the colors, for high dynamic range"),
     "transmission": Parameter(
-        "none", choices=("none", "grey", "colored"), help="kind of transmission t"
+        "none", choices=("none", "gray", "colored"), help="kind of transmission t"
     ),
-    "clarity": Parameter(0.6, low=0.0, high=1.0, help="t if grey; factor on the color if colored"),
+    "clarity": Parameter(0.6, low=0.0, high=1.0, help="t if gray; factor on the color if colored"),
     "first": Parameter(2.0, low=0.001, help="view distance of the nearest plane, m"),
     "spacing": Parameter(0.5, low=0.0, help="distance between planes, m; 0 makes exact ties"),
     "near": Parameter(0.1, low=0.0001, help="near plane of the camera, m"),
@@ -134,7 +134,7 @@ def _transmission(kind: str, clarity: float, color: RGB) -> RGB:
     """Return t of a plane of this color."""
     if kind == "none":
         return (0.0, 0.0, 0.0)
-    return (clarity, clarity, clarity) if kind == "grey" else _scaled(color, clarity)
+    return (clarity, clarity, clarity) if kind == "gray" else _scaled(color, clarity)
 
 
 def _scaled(color: RGB, factor: float) -> RGB:

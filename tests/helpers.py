@@ -37,7 +37,7 @@ WHITE: RGB = (1.0, 1.0, 1.0)
 
 @dataclass(frozen=True)
 class Layer:
-    """One fragment: view distance z in metres, coverage, radiance, transmission."""
+    """One fragment: view distance z in meters, coverage, radiance, transmission."""
 
     z: float
     coverage: float

@@ -86,7 +86,7 @@ def test_the_wheel_lists_what_the_checkout_has(installed: Path, tmp_path: Path) 
 def test_the_wheel_renders(installed: Path, tmp_path: Path) -> None:
     from oitbench.image import files as images
 
-    scene, method = "layer_stack[count=2,palette=grey]", "alpha_blend"
+    scene, method = "layer_stack[count=2,palette=gray]", "alpha_blend"
     render: list[str | Path] = [installed / "oitbench", "render", scene, method, "--size", "32x32"]
     call([*render, "-o", "picture.png"], tmp_path)
     call([*render, "-o", "picture.exr"], tmp_path)

@@ -41,7 +41,7 @@ class ABuffer(oit.Method):
         "precise",
         choices=("precise", "compact"),
         grid=("precise", "compact"),
-        help="record; `compact` clips radiance above one and holds grey transmission only",
+        help="record; `compact` clips radiance above one and holds gray transmission only",
     )
     resolve = oit.Parameter("sorted", choices=("sorted", "iterative"), help="way of compositing")
     msaa = oit.Parameter(1, choices=(1, 4), help="samples per pixel")

@@ -27,8 +27,8 @@ void take_out(int depth_gone, int through_gone) {
     node_depth[NODES] = FAR;
 }
 
-// Weighs what the curve's integral would change by without node i, of which `front` is the one in
-// front, and remembers the least (AT eq. 7 and section 3.2).
+// Computes by how much removing node i would change the curve's integral, and keeps the least;
+// `front` is the node in front of it (AT eq. 7 and section 3.2).
 void weigh(int i, vec2 front, inout float least, inout ivec2 gone) {
     float drop = front.y - node_through[i];
 #if REMOVAL != REMOVAL_OVER

@@ -3,7 +3,7 @@
     vis(z) = prod_{z_i < z} tau_i,    C = sum_i alpha_i L_i vis(z_i) + C0 prod_i tau_i
 
 A node is a depth and the transmittance behind it. A fragment multiplies the curve by its step. When
-there are N + 1 nodes, the one is removed whose removal changes the integral of the curve least (AT
+there are N + 1 nodes, the node is removed that changes the integral of the curve least (AT
 eq. 7). With `under` the node in front takes over the transmittance of the removed one, and the
 curve never exceeds the truth. With `over` the whole node is removed, and the curve is never below
 it; the last node stays, since it holds the total. The total transmittance is exact for any N, so no

@@ -7,7 +7,7 @@ exact for one layer, and where the submission happens to run from far to near.
 
 Source: Porter & Duff 1984, "Compositing Digital Images", SIGGRAPH.
 
-Known failures: the image depends on the order of the draws. Colored transmission turns grey. A half
+Known failures: the image depends on the order of the draws. Colored transmission turns gray. A half
 float stops changing where a layer adds less than 1/2048 of it.
 """
 

@@ -1,4 +1,4 @@
-// Over, premultiplied: blending multiplies what is there by 1 - o.
+// Over, premultiplied: blending multiplies the target by 1 - o.
 void gather(Fragment fragment) {
     color = premultiplied(fragment);
 }

@@ -13,7 +13,7 @@ Source: Everitt 2001, "Interactive Order-Independent Transparency", NVIDIA.
 
 Known failures: of several fragments at exactly equal depth only the first one drawn is kept, which
 also happens pixel by pixel where two meshes cross. Window depth is a float: layers that are closer
-than its step, 6e-8 z^2 / near at z metres, count as equal. The number of geometry passes is the
+than its step, 6e-8 z^2 / near at z meters, count as equal. The number of geometry passes is the
 depth complexity plus one.
 """
 

@@ -1,5 +1,5 @@
-// Keeps the nearest fragment beyond the one peeled last; the depth test finds the nearest. What
-// covers nothing is no layer.
+// Keeps the nearest fragment beyond the one peeled last; the depth test finds the nearest. A
+// fragment without effect is no layer.
 void gather(Fragment fragment) {
     bool between = fragment.depth > read_peeled() && fragment.depth < read_opaque_depth();
     if (!between || fragment.coverage <= 0.0) {

@@ -1,5 +1,5 @@
-// The front layers over the back layers over the background; each channel has opacities of its own
-// if transmission is colored.
+// The front layers over the back layers over the background; each channel has its own opacity if
+// transmission is colored.
 #include "curves.glsl"
 
 void resolve() {

@@ -1,5 +1,5 @@
 // The nearest and the farthest fragment: edges is (-near, far), and blending takes the maximum.
-// What covers nothing is no layer.
+// A fragment without effect is no layer.
 void gather(Fragment fragment) {
     if (fragment.coverage <= 0.0) {
         discard;

@@ -21,7 +21,7 @@ composited at once by the operators under and over, and all fragments of equal d
 maximum would merge them. Their total transmittance is exact, and their order is that of the draws.
 
 Known failures: at exactly equal depths the order follows no rule. Window depth is a float: layers
-that are closer than its step, 6e-8 z^2 / near at z metres, count as equal. The number of geometry
+that are closer than its step, 6e-8 z^2 / near at z meters, count as equal. The number of geometry
 passes grows with the depth complexity.
 """
 

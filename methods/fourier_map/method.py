@@ -18,7 +18,7 @@ Memory, `variable`: 4 B/pixel + 12 B/fragment (16 with `rgb`, 32 with `precise`)
 coefficient, 4 B unused, and 8 B of bounds per pixel: 72 B for 15 coefficients.
 
 Sources: Jansen & Bavoil 2010, "Fourier Opacity Mapping"; Salvi et al. 2011, "Adaptive
-Transparency", whose FOMT this is (section 4).
+Transparency", the FOMT of section 4.
 
 Known failures: a few strong layers ring, so that layers between them are darkened or show through.
 The series is periodic, so half of the nearest layer's absorbance appears only at the farthest. An

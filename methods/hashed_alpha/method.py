@@ -8,7 +8,7 @@ about `scale` pixels, so that the pattern sticks to surfaces as the camera moves
     m = max(|dp/dx|, |dp/dy|),  s = 1 / (scale m)
     tau between the hashes of floor(2^floor(log2 s) p) and floor(2^ceil(log2 s) p), made uniform
 
-One geometry pass writes color and a depth buffer of its own: 32 bits per pixel, no blending, no
+One geometry pass writes color and its own depth buffer: 32 bits per pixel, no blending, no
 resolve.
 
 Source: Wyman & McGuire 2017, "Hashed Alpha Testing", I3D. Their hash, fract(1e4 sin ...), is not

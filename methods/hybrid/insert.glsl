@@ -6,7 +6,7 @@ void gather(Fragment fragment) {
     if (hides_nothing(node.color)) {
         return;
     }
-    // While there is room, what falls out is empty and adds nothing.
+    // While there is room, the node that falls out is empty and adds nothing.
     vec4 layer = unpack(insert(node).color);
     tail = half_float(tail + layer);
     count += layer.a > 0.0 ? 1.0 : 0.0;

@@ -5,7 +5,7 @@
     C = c + T (S.rgb / S.a (1 - T') + T' C0)
 
 One geometry pass of programmable blending inserts fragments by depth; the farthest of k + 1 is
-added to the tail. Depths alone decide which fragments belong to the core, so the order of the draws
+added to the tail. Only depths decide which fragments belong to the core, so the order of the draws
 only affects the rounding of the tail's sums. Up to k layers are exact.
 
 Memory 64 k + 80 bits/pixel, 96 k + 80 with `16f`: nodes (alpha L, net opacity and a float depth), a
@@ -14,7 +14,7 @@ sum in RGBA16F and a count in R16F; 32 bits more where the driver only offers a 
 Source: Maule et al. 2013, "Hybrid Transparency", I3D; the tail is that of Bavoil & Myers 2008.
 
 Known failures: the tail ignores order and transmits too much, since (1 - mean o)^m is never less
-than the product. Transmission is grey.
+than the product. Transmission is gray.
 """
 
 import oitbench as oit

@@ -1,4 +1,4 @@
-// Keeps the K nearest fragments. What hides nothing takes no node.
+// Keeps the K nearest fragments. A fragment without effect takes no node.
 #include "bounded_nodes/insert.glsl"
 
 void gather(Fragment fragment) {

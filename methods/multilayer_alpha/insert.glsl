@@ -6,7 +6,7 @@ void gather(Fragment fragment) {
     if (hides_nothing(node.color)) {
         return;
     }
-    // While there is room, what falls out is empty, and merging it changes nothing.
+    // While there is room, the node that falls out is empty, and merging it changes nothing.
     vec4 behind = unpack(insert(node).color);
     Node last = node_at(K - 1);
     vec4 front = unpack(last.color);

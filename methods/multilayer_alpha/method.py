@@ -17,7 +17,7 @@ lose transmittances below 2^-12.
 Known failures: beyond k layers the image depends on the order of the draws, and an opaque layer
 need not hide the layers behind it: a far fragment that came early can be merged into a nearer node.
 Merged 8-bit nodes stall: each merge rounds, so many thin layers attenuate too much or not at all
-(layers with o < 1/510 vanish). Transmission is grey.
+(layers with o < 1/510 vanish). Transmission is gray.
 """
 
 import oitbench as oit

@@ -1,4 +1,4 @@
-// Slice k of TERMS holds what is absorbed up to the relative depth (k + 1) / TERMS.
+// Slice k of TERMS holds the absorbance up to the relative depth (k + 1) / TERMS.
 void deposit(float u, float absorbance) {
     for (int k = 0; k < TERMS; ++k) {
         terms[k] += u * float(TERMS) <= float(k + 1) ? absorbance : 0.0;

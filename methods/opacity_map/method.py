@@ -16,7 +16,7 @@ Memory, `variable`: 4 B/pixel + 12 B/fragment (16 with `rgb`, 32 with `precise`)
 slice and 8 B of bounds per pixel, 72 B for the 16 slices of the paper's table.
 
 Sources: Kim & Neumann 2001, "Opacity Shadow Maps"; Salvi et al. 2011, "Adaptive Transparency",
-whose OSMT this is (section 4). Kim & Neumann sum opacity; its logarithm makes the total exact.
+the OSMT of section 4. Kim & Neumann sum opacity; its logarithm makes the total exact.
 
 Known failures: layers are darkened by themselves and by layers behind them in the same slice. Bands
 appear where layers cross slices. A single far layer stretches all slices. An opaque layer counts as

@@ -1,4 +1,4 @@
-// The opaque picture between texels, and blurred over what surrounds a pixel.
+// The opaque picture: interpolated between texels, and blurred around a pixel.
 const int STRIDE = 2;   // pixels between taps
 
 // Radius of the disk, or deviation of the Gaussian, in pixels.
@@ -34,8 +34,8 @@ float tap_weight(float square, float blur) {
 #endif
 }
 
-// Taps count only where both they and the center blur as far: what is sharp in front of a frosted
-// pane stays out of its blur.
+// A tap counts only where it and the center both blur that far: sharp objects in front of a frosted
+// pane stay out of its blur.
 vec3 blurred(ivec2 center, float blur) {
     float cut = KERNEL == KERNEL_GAUSSIAN ? 2.5 : 1.0;
     int reach = int(min(cut * blur, float(RADIUS))) / STRIDE * STRIDE;

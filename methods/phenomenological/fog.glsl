@@ -1,4 +1,4 @@
-// Adds the medium to all targets at once: what a plane for each slice would add one by one.
+// Adds the medium to all targets: the sum over slices, each as one plane would add it.
 #include "oitbench/fragment.glsl"
 #include "layer.glsl"
 #include "oitbench/march.glsl"

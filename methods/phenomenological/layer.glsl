@@ -1,7 +1,7 @@
-// What one layer adds to the targets (McGuire & Mara 2017, sections 4.3 to 4.5 and listing 1).
+// The contribution of one layer (McGuire & Mara 2017, sections 4.3 to 4.5 and listing 1).
 #include "model.glsl"
 
-// Focal length in pixels of the frame, also where a texel stands for a block of them.
+// Focal length in pixels of the frame, also where a texel is a block of pixels.
 float focal_length() {
 #ifdef SMALL
     return pixel_focal * float(SUBSAMPLE);

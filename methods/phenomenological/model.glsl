@@ -1,17 +1,17 @@
-// Constants of the model, and what both stages agree on about targets.
+// Constants of the model, and encodings of targets that both stages share.
 const float K0 = 0.25;              // m
 const float K1 = 0.5;               // m
 const float PAPER_REACH = 2.0;      // m
-const float FARTHEST = 1e4;         // m; stands for a background at infinity
+const float FARTHEST = 1e4;         // m; the distance of a background at infinity
 #if PRECISION == PRECISION_PAPER
-const float UNIT = 63.0;            // pixels that one stands for in delta and in the root of D^2
-const float LEAST = 1.0 / 255.0;    // what 8 bits can hold
+const float UNIT = 63.0;            // pixels per unit of delta and of the root of D^2
+const float LEAST = 1.0 / 255.0;    // the step of 8 bits
 #else
 const float UNIT = 1.0;
 const float LEAST = 0.0;
 #endif
 
-// What beta's target takes: what is removed, and the variance of the blur where it has a place.
+// The value of beta's target: the removed light, and the variance of the blur if it is stored.
 #if !defined(EFFECT_DIFFUSION) && PRECISION == PRECISION_PAPER
 vec3 modulation(vec3 removed, float variance) { return removed; }
 #else

@@ -1,4 +1,4 @@
-// What is opaque, at one pixel of each block: no mean, which would lie where no surface is.
+// The opaque depth at one pixel of each block. A mean would lie where there is no surface.
 #include "model.glsl"
 
 void resolve() {

@@ -1,19 +1,19 @@
-// Adds the small targets to those of the frame, by a joint bilateral filter (section 5.0.1): a tent
-// of 7 x 7 texels, in which a texel counts by how near what is opaque there is to the plane of what
-// is opaque here. On the screen planes are linear in 1/z, however obliquely they are seen.
+// Adds the small targets to those of the frame by a joint bilateral filter (section 5.0.1): a tent of
+// 7 x 7 texels. A texel's weight falls with the distance of its opaque surface from the plane of the
+// opaque surface at the pixel. On the screen, planes are linear in 1/z at any obliqueness.
 #include "model.glsl"
 const float TENT = 3.0;       // texels from its middle to its foot
 const float KEY = 0.02;       // relative difference of distances that leaves 1/e of a weight
-const float FLOOR = 1e-3;     // least part of a weight: something must serve for thin objects
+const float FLOOR = 1e-3;     // least weight, so that thin objects find a texel
 const float STEEPEST = 0.1;   // relative difference of neighbors, of one surface seen obliquely
-const float FAR = 1e-6;       // 1/m: the sky is as near to all that is farther
+const float FAR = 1e-6;       // 1/m: everything farther counts as equally far as the sky
 
 float nearness(ivec2 pixel) {
     ivec2 within = clamp(pixel, ivec2(0), ivec2(frame_size) - 1);
     return 1.0 / view_distance(read_opaque_depth(within));
 }
 
-// The lesser of both differences: at an edge the other one belongs to two surfaces.
+// The smaller of both differences: at an edge, the other one spans two surfaces.
 float slope(ivec2 pixel, ivec2 along) {
     float middle = nearness(pixel);
     float before = middle - nearness(pixel - along);
@@ -22,10 +22,10 @@ float slope(ivec2 pixel, ivec2 along) {
     return abs(least) < STEEPEST * middle ? least : 0.0;
 }
 
-// `plane` is 1/z here and its slope, 1/m and 1/m a pixel.
+// `plane` is 1/z here, 1/m, and its slope, 1/m per pixel.
 float weight_of(ivec2 texel, vec2 at, vec3 plane) {
     vec2 tent = max(1.0 - abs(vec2(texel) + 0.5 - at) / TENT, vec2(0.0));
-    // The pixel that stands for the block.
+    // The pixel at which the block is sampled.
     vec2 offset = vec2(texel * SUBSAMPLE + SUBSAMPLE / 2) + 0.5 - gl_FragCoord.xy;
     float gap = abs(1.0 / read_small_distance(texel) - plane.x - dot(plane.yz, offset));
     return tent.x * tent.y * (FLOOR + exp(-gap / (KEY * max(plane.x, FAR))));

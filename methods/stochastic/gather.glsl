@@ -1,4 +1,4 @@
-// Adds the fragment by the share of samples at which it is seen.
+// Adds the fragment by the fraction of samples at which it is visible.
 #include "mask.glsl"
 
 // Rasterized with several samples, a surface's distance at a pixel's center differs from that
@@ -20,7 +20,7 @@ void gather(Fragment fragment) {
         vec4 kept = vec4(lessThanEqual(z, read_depths(i)));
         seen += mix(vec4(0.0), kept, mine);
     }
-    // What a sample shows, so that the mean over the share o of samples is alpha L.
+    // Radiance of a sample: its mean over the fraction o of samples is alpha L.
     vec4 layer = premultiplied(fragment) / max(net_opacity(fragment), 1e-20);
 #endif
     sum = layer * (dot(seen, vec4(1.0)) / float(4 * QUADS * ROUNDS));

@@ -1,4 +1,4 @@
-// The sum covers what the transmittance hides.
+// The weighted sum fills the part of the pixel that the transmittance hides.
 void resolve() {
     vec4 gathered = read_sum();
 #if CORRECTION == CORRECTION_NONE

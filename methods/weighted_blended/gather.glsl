@@ -1,4 +1,4 @@
-// McGuire & Bavoil 2013, equations 7 to 10; z in metres, d window depth.
+// McGuire & Bavoil 2013, equations 7 to 10; z in meters, d window depth.
 float weight(float z, float d) {
 #if WEIGHT == 7
     return clamp(10.0 / (1e-5 + pow(z / 5.0, 2.0) + pow(z / 200.0, 6.0)), 1e-2, 3e3);

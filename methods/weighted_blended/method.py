@@ -2,7 +2,7 @@
 
     A = sum w (alpha L, o),    r = prod (1 - o),    C = (A.rgb / max(A.a, 1e-5)) (1 - r) + C0 r
 
-with o = alpha (1 - mean t) and one of four weights, z in metres (tuned for 0.1 to 500 m), d the
+with o = alpha (1 - mean t) and one of four weights, z in meters (tuned for 0.1 to 500 m), d the
 window depth:
 
     7:  w = o clamp(10 / (1e-5 + (z/5)^2 + (z/200)^6), 1e-2, 3e3)

@@ -1,4 +1,4 @@
-// The weighted mean color covers what the transmittance does not reveal.
+// The weighted mean color fills the part of the pixel that the transmittance hides.
 void resolve() {
     vec4 sum = read_accum();
     float covered = 1.0 - read_reveal();

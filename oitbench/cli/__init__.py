@@ -1,4 +1,4 @@
-"""The command line: one file a verb, imported only when it is called."""
+"""The command line: one file per verb, imported when it is called."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import sys
 
 import click
 
-from oitbench.errors import OitbenchError
+from oitbench.errors import OitbenchError, unknown
 
 VERBS = (
     "run",
@@ -24,7 +24,7 @@ VERBS = (
 
 
 class _Verbs(click.Group):
-    """Finds each verb in the module of its name."""
+    """The group of all verbs; each is in the module of its name."""
 
     def list_commands(self, ctx: click.Context) -> list[str]:
         return list(VERBS)
@@ -40,8 +40,6 @@ class _Verbs(click.Group):
         self, ctx: click.Context, args: list[str]
     ) -> tuple[str | None, click.Command | None, list[str]]:
         if args and args[0] not in VERBS and not args[0].startswith("-"):
-            from oitbench.errors import unknown
-
             raise unknown("command", args[0], VERBS)
         return super().resolve_command(ctx, args)
 
@@ -53,7 +51,7 @@ def group() -> None:
 
 
 def main() -> None:
-    """Run the command line; whatever a user can mend is told in one line, with exit code 2."""
+    """Run the command line. An error that a user can fix is one line, with exit code 2."""
     try:
         group.main(standalone_mode=False)
     except click.exceptions.Exit as stop:

@@ -1,4 +1,4 @@
-"""`oitbench baseline`: keep what a run came to, and hold later runs against it."""
+"""`oitbench baseline`: save the metrics of a run, and compare later runs with them."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ DEFAULT = Path("baseline.json")
 
 @click.group()
 def command() -> None:
-    """Keep the metrics and counts of a run, and hold later runs against them."""
+    """Save the metrics and counts of a run, and compare later runs with them."""
 
 
 @command.command()
@@ -25,7 +25,7 @@ def command() -> None:
     help="File of the baseline.",
 )
 def save(results: Path, out: Path) -> None:
-    """Write the baseline of RESULTS: a small file without times and paths, to be committed."""
+    """Write the baseline of RESULTS: a small file to commit, without times and paths."""
     from oitbench.results.baseline import save as save_baseline
 
     rows = save_baseline(results, out).rows
@@ -43,8 +43,8 @@ def save(results: Path, out: Path) -> None:
 )
 @click.option("--json", "as_json", is_flag=True, help="Print the comparison as JSON.")
 def check(results: Path, baseline: Path, as_json: bool) -> None:
-    """Hold RESULTS against a baseline; exit with 1 on a regression."""
-    from oitbench.cli.compare import tell
+    """Compare RESULTS with a baseline; exit with 1 on a regression."""
+    from oitbench.cli.compare import show
     from oitbench.results.comparison import compare
 
-    tell(compare(results, baseline), as_json)
+    show(compare(results, baseline), as_json)

@@ -1,4 +1,4 @@
-"""`oitbench compare`: a run against a baseline, or against another run."""
+"""`oitbench compare`: compare a run with a baseline, or with another run."""
 
 from __future__ import annotations
 
@@ -20,18 +20,19 @@ _WIDE = 200
 @click.argument("baseline", type=click.Path(path_type=Path))
 @click.option("--json", "as_json", is_flag=True, help="Print the comparison as JSON.")
 def command(results: Path, baseline: Path, as_json: bool) -> None:
-    """Hold RESULTS against BASELINE, a baseline file or another results folder.
+    """Compare RESULTS with BASELINE, a baseline file or another results folder.
 
     The exit code is 1 if a quality metric became worse by more than its tolerance, if a count
-    changed, or if a cell is on one side alone. Frame times are told and never fail.
+    changed, or if a cell is on one side only. Differences of frame times are printed, but never
+    change the exit code.
     """
     from oitbench.results.comparison import compare
 
-    tell(compare(results, baseline), as_json)
+    show(compare(results, baseline), as_json)
 
 
-def tell(comparison: Comparison, as_json: bool = False) -> None:
-    """Print a comparison; exit with 1 if something regressed."""
+def show(comparison: Comparison, as_json: bool = False) -> None:
+    """Print a comparison; exit with 1 if there is a regression."""
     if as_json:
         click.echo(json.dumps(comparison.facts(), indent=2, allow_nan=False))
     else:
@@ -47,12 +48,12 @@ def _print_table(comparison: Comparison) -> None:
     from rich.table import Table
 
     table = Table(box=box.SIMPLE)
-    for title in ("verdict", "cell", "what", "baseline", "now"):
+    for title in ("verdict", "cell", "field", "baseline", "now"):
         table.add_column(title, overflow="fold")
     for item in comparison.differences:
         style = "red" if item.regression else "green" if item.verdict == "better" else None
         values = ("" if value is None else str(value) for value in (item.before, item.now))
         table.add_row(item.verdict, item.cell, item.field, *values, style=style)
-    # Whoever reads a file or a pipe looks for whole labels.
+    # Keep whole labels in files and pipes.
     width = None if sys.stdout.isatty() else _WIDE
     Console(width=width, markup=False, highlight=False).print(table)

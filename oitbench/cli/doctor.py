@@ -1,4 +1,4 @@
-"""`oitbench doctor`: what this machine offers, and what is missing."""
+"""`oitbench doctor`: check this machine."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ def command(collections: tuple[Path, ...]) -> None:
     sys.exit(0 if all(well) else 1)
 
 
-def _tell(name: str, value: object, well: bool = True) -> bool:
+def _report(name: str, value: object, well: bool = True) -> bool:
     click.echo(f"{'ok  ' if well else 'FAIL'}  {name}: {value}")
     return well
 
@@ -31,13 +31,13 @@ def _gl() -> bool:
     try:
         device = Device()
     except OitbenchError as error:
-        return _tell("OpenGL", error, well=False)
-    _tell("OpenGL", f"{device.renderer}, {device.version}")
+        return _report("OpenGL", error, well=False)
+    _report("OpenGL", f"{device.renderer}, {device.version}")
     kind = "software: timed by wall clock" if device.software else "hardware: timed by timestamps"
-    _tell("renderer", kind)
-    _tell("largest storage block", f"{device.max_block_bytes / 2**20:g} MiB")
+    _report("renderer", kind)
+    _report("largest storage block", f"{device.max_block_bytes / 2**20:g} MiB")
     for capability in CAPABILITIES:
-        _tell(f"capability {capability}", "yes" if device.has(capability) else "no")
+        _report(f"capability {capability}", "yes" if device.has(capability) else "no")
     device.release()
     return True
 
@@ -47,7 +47,7 @@ def _path_tracer() -> bool:
 
     facts = llvm.describe()
     well = facts.get("variant") is not None
-    return _tell("path tracer", ", ".join(f"{k} {v}" for k, v in facts.items() if v), well)
+    return _report("path tracer", ", ".join(f"{k} {v}" for k, v in facts.items() if v), well)
 
 
 def _plugins(collections: tuple[Path, ...]) -> bool:
@@ -56,7 +56,7 @@ def _plugins(collections: tuple[Path, ...]) -> bool:
     try:
         collection = Collection.load(collections)
     except OitbenchError as error:
-        return _tell("collections", error, well=False)
+        return _report("collections", error, well=False)
     well = True
     for plugins in (collection.methods, collection.scenes, collection.reports):
         broken = []
@@ -65,6 +65,6 @@ def _plugins(collections: tuple[Path, ...]) -> bool:
                 plugins[name]
             except OitbenchError as error:
                 broken.append(str(error))
-        told = "; ".join(broken) or f"{len(plugins)}: {', '.join(plugins)}"
-        well = _tell(f"{plugins.kind}s", told, not broken) and well
+        found = "; ".join(broken) or f"{len(plugins)}: {', '.join(plugins)}"
+        well = _report(f"{plugins.kind}s", found, not broken) and well
     return well

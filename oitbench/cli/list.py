@@ -1,4 +1,4 @@
-"""`oitbench list`: what can be named."""
+"""`oitbench list`: methods, scenes, effects and reports by name."""
 
 from __future__ import annotations
 
@@ -8,22 +8,30 @@ from typing import Any
 
 import click
 
-from oitbench import parameters as selector
 from oitbench.cli import options
 from oitbench.effects import Effect
-from oitbench.errors import DeclarationError
-from oitbench.parameters import AnyParameter
+from oitbench.errors import DeclarationError, unknown
+from oitbench.parameters import AnyParameter, text
 from oitbench.plugins import Collection
 
 KINDS = ("methods", "scenes", "effects", "reports")
 
 
+def _read_kind(ctx: click.Context, parameter: click.Parameter, value: str | None) -> str | None:
+    """Accept singular and plural."""
+    if value is None or value in KINDS:
+        return value
+    if f"{value}s" in KINDS:
+        return f"{value}s"
+    raise unknown("kind", value, KINDS)
+
+
 @click.command()
-@click.argument("kind", type=click.Choice(KINDS), required=False)
-@click.option("--json", "as_json", is_flag=True, help="For programs.")
+@click.argument("kind", callback=_read_kind, required=False)
+@click.option("--json", "as_json", is_flag=True, help="Print the list as JSON.")
 @options.collections
 def command(kind: str | None, as_json: bool, collections: tuple[Path, ...]) -> None:
-    """List methods, scenes, effects or reports, with their parameters; all of them without KIND."""
+    """List methods, scenes, effects or reports, with their parameters. Default: all of them."""
     collection = Collection.load(collections)
     found = {name: _entries(collection, name) for name in ([kind] if kind else KINDS)}
     if as_json:
@@ -36,7 +44,7 @@ def command(kind: str | None, as_json: bool, collections: tuple[Path, ...]) -> N
         for entry in entries:
             click.echo(f"  {entry['name']:{width}}  {entry['title']}")
             for key, parameter in entry.get("parameters", {}).items():
-                click.echo(f"  {'':{width}}    {key}={parameter['told']}")
+                click.echo(f"  {'':{width}}    {key}={parameter['summary']}")
 
 
 def _entries(collection: Collection, kind: str) -> list[dict[str, Any]]:
@@ -62,10 +70,10 @@ def _entry(plugins: Any, name: str) -> dict[str, Any]:
 
 
 def _parameter(parameter: AnyParameter) -> dict[str, Any]:
-    allowed = "|".join(selector.text(choice) for choice in parameter.choices)
-    told = selector.text(parameter.default)
+    allowed = "|".join(text(choice) for choice in parameter.choices)
+    summary = text(parameter.default)
     if allowed:
-        told += f"  ({allowed})"
+        summary += f"  ({allowed})"
     if parameter.help:
-        told += f"  {parameter.help}"
-    return {"default": parameter.default, "choices": list(parameter.choices), "told": told}
+        summary += f"  {parameter.help}"
+    return {"default": parameter.default, "choices": list(parameter.choices), "summary": summary}

@@ -1,4 +1,4 @@
-"""`oitbench render`: one picture."""
+"""`oitbench render`: render one picture."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ from oitbench.errors import UsageError
     "--out",
     required=True,
     type=click.Path(dir_okay=False, path_type=Path),
-    help="Picture to write: .exr for linear radiance, .png for display.",
+    help="File of the picture: .exr for linear radiance, .png for display.",
 )
-@options.size("512x512", "Pixels of the image.")
+@options.size("512x512", "Size of the picture in pixels.")
 @options.ssaa
 @options.effects
 @options.collections
@@ -33,12 +33,12 @@ def command(
     effects: str,
     collections: tuple[Path, ...],
 ) -> None:
-    """Render SCENE with METHOD; both as NAME[param=v], METHOD also as a folder."""
+    """Render SCENE with METHOD. Both are NAME[param=v]; METHOD can also be a folder."""
     from oitbench.image import files as images
     from oitbench.matrix.picture import render
 
     if out.suffix not in (".exr", ".png"):
-        raise UsageError(f"{out}: unknown kind of picture; end it in .exr or .png")
+        raise UsageError(f"{out}: unknown format of a picture; end the name in .exr or .png")
     image, exposure = render(scene, method, size, ssaa, effects, collections)
     if out.suffix == ".exr":
         images.write_exr(out, image)

@@ -1,4 +1,4 @@
-"""`oitbench visibility`: how much light each method lets through at one pixel, by depth."""
+"""`oitbench visibility`: the transmittance of each method at one pixel, by depth."""
 
 from __future__ import annotations
 
@@ -27,16 +27,16 @@ def _read_pixel(ctx: click.Context, parameter: click.Parameter, value: str) -> t
     "--method",
     "methods",
     multiple=True,
-    help="NAME[param=v,w] or a method's folder; repeatable. All by their defaults without.",
+    help="NAME[param=v,w], or a folder of a method. Repeatable. Default: all, unchanged.",
 )
-@options.size("256x256", "Pixels of the frame that the pixel lies in.")
+@options.size("256x256", "Size of the frame in pixels.")
 @click.option(
     "-o",
     "--out",
     type=click.Path(file_okay=False, path_type=Path),
     default=Path("results") / "visibility",
     show_default=True,
-    help="Where visibility.csv, .json, .png and .pdf are written.",
+    help="Folder for visibility.csv, .json, .png and .pdf.",
 )
 @options.collections
 def command(
@@ -47,7 +47,7 @@ def command(
     out: Path,
     collections: tuple[Path, ...],
 ) -> None:
-    """Measure the exact and every method's visibility curve at one pixel of SCENE."""
+    """Measure the visibility curve of each method, and the exact one, at one pixel of SCENE."""
     from oitbench.measure import visibility
     from oitbench.plugins import Collection
     from oitbench.report.visibility import write

@@ -27,9 +27,9 @@ class Batch:
     units : array, shape (n, 2), int64
         First triangle and number of triangles of each object.
     keys : array, shape (m,), float64
-        View distance of each triangle's centroid in metres.
+        View distance of each triangle's centroid in meters.
     unit_keys : array, shape (n,), float64
-        View distance of the center of each object's bounding box in metres.
+        View distance of the center of each object's bounding box in meters.
     """
 
     triangles: npt.NDArray[np.uint32]

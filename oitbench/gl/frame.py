@@ -222,7 +222,7 @@ class Frame(Owner):
         Parameters
         ----------
         transmittance : bool
-            Show transmittance alone: no radiance over a background of one.
+            Render transmittance only: no radiance, over a background of one.
         permutation : int, optional
             Seed that shuffles the draws.
 

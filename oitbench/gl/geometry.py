@@ -154,7 +154,7 @@ class Geometry(Owner):
         coverage = 1.0 if layer is not None else material.coverage
         vertices["in_coverage"] = 1.0 if isinstance(coverage, Texture) else coverage
         vertices["in_layer"] = _UNTEXTURED if layer is None else layer
-        # A zero normal stands for the normal of the triangle.
+        # A zero normal selects the normal of the triangle.
         vertices["in_normal"] = 0.0 if mesh.normals is None else mesh.normals
         vertices["in_material"] = self._materials.index(material)
         return vertices

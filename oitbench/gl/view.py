@@ -94,7 +94,7 @@ def view_block(
         Whether all radiance is zero.
     subsample : int
         Downsampling factor per axis. The picture extends to whole blocks beyond the frame's edge,
-        so that every texel stands for the same number of pixels.
+        so that each texel covers the same number of pixels.
     """
     seen = camera_projection(camera, size[0] / size[1])
     small = (math.ceil(size[0] / subsample), math.ceil(size[1] / subsample))

@@ -28,7 +28,7 @@ def check(image: npt.ArrayLike, owner: str = "image") -> Image:
     Parameters
     ----------
     image : array
-        Must be (h, w, 3) of a floating-point type. Integers, RGBA and grey are refused, because a
+        Must be (h, w, 3) of a floating-point type. Integers, RGBA and gray are refused, because a
         metric would silently take them for something else.
     owner : str
         Name of the image in error messages.

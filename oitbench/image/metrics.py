@@ -161,7 +161,7 @@ def rmse_transmittance(reference: npt.ArrayLike, test: npt.ArrayLike) -> float |
     Parameters
     ----------
     reference, test : array, shape (h, w) or (h, w, 3), floating point
-        A grey `test` is compared with the mean of the reference's channels.
+        A gray `test` is compared with the mean of the reference's channels.
 
     Returns
     -------

@@ -26,7 +26,7 @@ class Preset:
     size : (int, int)
         Width and height in pixels.
     grid : bool
-        Run every parameter's grid, or its default alone.
+        Run every parameter's grid, or only its default.
     rounds : int
         Largest number of timed rounds per scene; 0 for no timing.
     budget : float
@@ -36,7 +36,7 @@ class Preset:
     every : bool
         Run all methods and scenes, or only those that are `quick`.
     path_traced : bool
-        Score against path tracing too, or against the exact truth alone.
+        Score against path tracing too, or only against the exact truth.
     """
 
     size: tuple[int, int]
@@ -116,7 +116,7 @@ def plan_matrix(
     size : (int, int), optional
         Width and height in pixels. Default: that of the preset.
     effects : sequence of str
-        An axis of the matrix: see `Cell.effects`. "each" stands for "requested" and, for every
+        An axis of the matrix: see `Cell.effects`. "each" selects "requested" and, for every
         effect that the scene requests and that changes the method's picture, "-name".
     ssaa : int
         Side of the sub-pixel grid of accuracy images.

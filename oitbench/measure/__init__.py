@@ -1,1 +1,1 @@
-"""What is measured of a frame: bytes, time, visibility; and the exact answer."""
+"""Measurements of frames: bytes, time and visibility; and the exact answer in float64."""

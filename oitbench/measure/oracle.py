@@ -1,4 +1,4 @@
-"""The exact answer in double precision: what every method is measured against in tests."""
+"""The exact answer in double precision, which tests compare methods with."""
 
 from __future__ import annotations
 

@@ -1,11 +1,11 @@
-"""Visibility curves: how much of the light at each depth of a pixel a method lets through.
+"""Visibility curves: the fraction of the light at each depth of a pixel that a method shows.
 
-The instrument knows no method. One pixel's fragments are laid out in a row of pixels: all hold the
-same fragments, but in the i-th only the i-th shines, with radiance 1/α, before black. What a method
-shows there is the weight that it gives that fragment. For the over operator this is the visibility
-Π(1 − o) of all nearer fragments, and it is the method's own curve for every method whose image is
-linear in the radiance. Two things of the scene are not seen by the instrument: methods that sort by
-objects sort single fragments here, and random methods draw the numbers of other pixels.
+The measurement works for any method. It renders a row of pixels that all hold the fragments of one
+pixel. In the i-th pixel only the i-th fragment shines, with radiance 1/α, and the background is
+black. The rendered value is therefore the method's weight of that fragment. For the over operator
+it is the visibility Π(1 − o) of all nearer fragments; for any method whose image is linear in
+radiance it is the method's visibility curve. Two properties of the scene are lost: methods that
+sort objects sort single fragments here, and random methods use the random numbers of other pixels.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ _RANDOM_ROWS = 256
 
 @dataclass(frozen=True, eq=False)
 class Curves:
-    """Visibility at one pixel, fragments from near to far, and what lies behind them all.
+    """Visibility of the fragments at one pixel, from near to far, and of the background.
 
     Parameters
     ----------
@@ -97,7 +97,7 @@ def instrument(fragments: FragmentLists, rows: int = 1) -> FragmentLists:
 def curve_of(image: npt.NDArray[np.float32], count: int) -> tuple[Floats, Floats]:
     """Return the mean and its standard error, each (count, 3), of a picture of the instrument.
 
-    The picture may be larger than the instrument by a whole factor.
+    The image may be larger than the row of pixels by an integer factor.
     """
     height, width = image.shape[:2]
     samples = image.astype(np.float64).reshape(height, count, width // count, 3)
@@ -106,7 +106,7 @@ def curve_of(image: npt.NDArray[np.float32], count: int) -> tuple[Floats, Floats
 
 
 def exact_curve(fragments: FragmentLists) -> Floats:
-    """Return the visibility of each fragment of one pixel and of what lies behind, (n + 1, 3)."""
+    """Return the visibility of each fragment of one pixel and of the background, (n + 1, 3)."""
     total = transmittances(fragments).prod(axis=0)[0]
     return np.concatenate([_with_gaps(composite(instrument(fragments), 0.0)[0], fragments), total])
 
@@ -114,7 +114,7 @@ def exact_curve(fragments: FragmentLists) -> Floats:
 def method_curve(
     device: Device, method: Method, fragments: FragmentLists, camera: Camera
 ) -> tuple[Floats, Floats]:
-    """Return a method's visibility of each fragment and of what lies behind, and its error.
+    """Return a method's visibility of each fragment and of the background, and its error.
 
     Parameters
     ----------
@@ -123,7 +123,7 @@ def method_curve(
     fragments : FragmentLists
         One pixel, (n, 1, 1).
     camera : Camera
-        Whose clip distances give window depths.
+        Its clip distances give window depths.
 
     Returns
     -------
@@ -167,7 +167,7 @@ def measure(
     pixel : (int, int)
         Column from the left, row from the top.
     methods : sequence of str
-        `NAME[param=v,w]`; all methods by their defaults without.
+        `NAME[param=v,w]`. Default: all methods, with their defaults.
     size : (int, int)
         Width and height of the frame in pixels.
     collections : sequence of path

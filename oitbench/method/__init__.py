@@ -1,1 +1,1 @@
-"""What a method is: parameters, promises, and a plan of targets, buffers and passes."""
+"""Declaration of methods: parameters, promises, and a plan of targets, buffers and passes."""

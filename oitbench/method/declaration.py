@@ -132,7 +132,7 @@ class Method:
 
     @property
     def requires(self) -> tuple[str, ...]:
-        """Capabilities of `oitbench.gl.device.CAPABILITIES` that the method cannot do without."""
+        """Required capabilities, of `oitbench.gl.capabilities.CAPABILITIES`."""
         return ()
 
     @property

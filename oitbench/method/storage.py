@@ -60,7 +60,7 @@ class Items(enum.Enum):
 class Buffer:
     """Records that shaders read and write at any place.
 
-    Each field is a storage block of its own, so that a driver's limit on one block (128 MiB on
+    Each field is a separate storage block, so that a driver's limit on one block (128 MiB on
     some) applies to a field and not to a record. The prelude defines `NAME_FIELD(i)` and
     `set_NAME_FIELD(i, v)`, and for uint fields also `exchange_`, `add_`, `min_` and
     `max_NAME_FIELD(i, v)`. A buffer of fragments also defines `allocate_NAME()`, which returns the

@@ -133,7 +133,7 @@ class Scores(_Typed, frozen=True):
     """Metrics against one truth; null where a metric has no finite value.
 
     `noise_floor` holds the same metrics between halves of the truth's own samples. `reason` says
-    why there are no metrics, and `message` what a reader should know about the truth.
+    why there are no metrics, and `message` is a remark on the truth for readers.
     """
 
     metrics: dict[str, float | None] = {}

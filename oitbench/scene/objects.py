@@ -1,4 +1,4 @@
-"""What is drawn: meshes, objects of one material, and fragments without geometry."""
+"""Content of scenes: meshes, objects of one material, and lists of fragments without geometry."""
 
 from __future__ import annotations
 

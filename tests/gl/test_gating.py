@@ -156,7 +156,7 @@ def only_what_is_called_for_is_there(scene: Scene, chosen: Method, frame: Render
 
 
 def forced_maps_say_the_same(called: dict[str, bytes], forced: dict[str, bytes]) -> None:
-    """Maps of red, green and blue are all the one of grey, and no other map changes."""
+    """Maps of red, green and blue are all the one of gray, and no other map changes."""
     for name, texels in forced.items():
         alike = name if name in called else re.sub(r"filtered\d", "filtered0", name)
         if alike in called:

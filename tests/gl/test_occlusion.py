@@ -30,7 +30,7 @@ from tests.helpers import method, opened, render
 SIDE = 96
 SIZE = (SIDE, SIDE)
 HALF_FLOAT = 2.0**-11
-GREY = Material(albedo=(0.5, 0.5, 0.5))
+GRAY = Material(albedo=(0.5, 0.5, 0.5))
 BLACK = Material()
 AO, INFERRED = Effect.AMBIENT_OCCLUSION, Effect.INFERRED_AO
 SKY = (EnvironmentLight(),)
@@ -43,9 +43,9 @@ def corner(
 ) -> Scene:
     """Return a floor and a wall that meet in the middle of the picture, seen from between them."""
     camera = Camera(position=(0, tilt, 1), target=(0, 0, 0), fov_y=math.radians(40))
-    objects = [Object("floor", quad((0, 0, 0), (3, 0, 0), (0, 0, -3)), GREY)]
+    objects = [Object("floor", quad((0, 0, 0), (3, 0, 0), (0, 0, -3)), GRAY)]
     if wall:
-        objects.append(Object("wall", quad((0, 3, 0), (3, 0, 0), (0, 3, 0)), GREY))
+        objects.append(Object("wall", quad((0, 3, 0), (3, 0, 0), (0, 3, 0)), GRAY))
     return Scene("corner", camera, tuple(objects), lights=lights, ambient_occlusion=radius)
 
 
@@ -62,7 +62,7 @@ def leaf(
     behind: tuple[Object, ...] | None = None,
     binary: bool = True,
 ) -> Scene:
-    """Return one white leaf half a metre before a black wall."""
+    """Return one white leaf half a meter before a black wall."""
     camera = Camera(position=(0, 0, 2), target=(0, 0, 0), fov_y=math.radians(60))
     wall = (Object("wall", quad((0, 0, -0.5), (4, 0, 0), (0, 4, 0)), BLACK),)
     described = Material(
@@ -142,8 +142,8 @@ def test_the_filter_leaves_no_pattern(device: Device) -> None:
 
 
 def test_what_is_far_before_a_surface_does_not_hide_its_surroundings(device: Device) -> None:
-    near = Object("bar", quad((0, 0, 0.5), (0.2, 0, 0), (0, 2, 0)), GREY)
-    wall = Object("wall", quad((0, 0, -0.5), (4, 0, 0), (0, 4, 0)), GREY)
+    near = Object("bar", quad((0, 0, 0.5), (0.2, 0, 0), (0, 2, 0)), GRAY)
+    wall = Object("wall", quad((0, 0, -0.5), (4, 0, 0), (0, 4, 0)), GRAY)
     scene = leaf(radius=0.3, behind=(wall, near))
     found = found_openness(device, replace(scene, objects=scene.objects[:2]))
     assert found.min() >= 1 - 1 / 255

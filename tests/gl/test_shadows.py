@@ -104,7 +104,7 @@ def test_two_panes_multiply(device: Device) -> None:
     assert (found.mean(axis=(0, 1)) <= expected + 0.1).all()
 
 
-def test_three_maps_of_grey_light_equal_one(device: Device) -> None:
+def test_three_maps_of_gray_light_equal_one(device: Device) -> None:
     scene = under(Material(transmission=(0.4, 0.4, 0.4)))
     one = lit(device, scene)
     counts = []

@@ -23,7 +23,7 @@ def constant(color: tuple[float, float, float], side: int = 24) -> images.Image:
 
 
 def test_srgb_matches_the_standard() -> None:
-    # IEC 61966-2-1: 18 % grey is encoded as 0.4614, and the toe is linear.
+    # IEC 61966-2-1: 18 % gray is encoded as 0.4614, and the toe is linear.
     encoded = images.to_srgb(constant((0.18, 0.001, 2.0)), 0.0)
     assert encoded[0, 0] == pytest.approx([0.461356, 0.01292, 1.0], abs=1e-5)
     assert images.to_srgb(constant((0.09, 0, 0)), 1.0)[0, 0, 0] == encoded[0, 0, 0]

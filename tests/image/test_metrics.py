@@ -158,12 +158,12 @@ def test_small_images_have_no_ssim() -> None:
 
 
 def test_transmittance(picture: images.Image) -> None:
-    grey = picture.mean(axis=-1)
-    assert metrics.rmse_transmittance(picture, grey) == pytest.approx(0, abs=1e-7)
-    assert metrics.rmse_transmittance(grey, grey + 0.5) == pytest.approx(0.5)
-    assert metrics.rmse_transmittance(grey, grey * np.nan) is None
+    gray = picture.mean(axis=-1)
+    assert metrics.rmse_transmittance(picture, gray) == pytest.approx(0, abs=1e-7)
+    assert metrics.rmse_transmittance(gray, gray + 0.5) == pytest.approx(0.5)
+    assert metrics.rmse_transmittance(gray, gray * np.nan) is None
     with pytest.raises(ValueError, match="have shapes"):
-        metrics.rmse_transmittance(grey, grey[1:])
+        metrics.rmse_transmittance(gray, gray[1:])
 
 
 def test_order_spread_is_the_range_of_each_channel(picture: images.Image) -> None:

@@ -46,7 +46,7 @@ def expected(drawn: FragmentLists, curve: str, tinted: bool) -> Floats:
     seed=st.integers(0, 2**32 - 1),
     layers=st.integers(1, 20),
     curve=st.sampled_from(sorted(CURVES)),
-    channels=st.sampled_from(["grey", "rgb"]),
+    channels=st.sampled_from(["gray", "rgb"]),
     memory=st.sampled_from(MEMORIES),
 )
 def test_pictures_follow_the_model(

@@ -104,7 +104,7 @@ def assert_agrees(
     layers=st.integers(1, 24),
     nodes=st.sampled_from([2, 5, 16]),
     removal=st.sampled_from(["under", "over", "best"]),
-    channels=st.sampled_from(["grey", "rgb"]),
+    channels=st.sampled_from(["gray", "rgb"]),
     memory=st.sampled_from(MEMORIES),
 )
 def test_pictures_follow_the_model(
@@ -131,13 +131,13 @@ def test_packed_nodes_follow_the_model_with_its_quantization(
     assert abs(rounded - expected(drawn, nodes, removal)[0]).max() > 1 / 255
 
 
-@pytest.mark.parametrize("channels", ["grey", "rgb"])
+@pytest.mark.parametrize("channels", ["gray", "rgb"])
 def test_packed_records_follow_the_model_of_what_they_hold(device: Device, channels: str) -> None:
     drawn = lists(4, 20)
     factors = transmittances(drawn)
     opacity = np.round((1 - factors.mean(axis=-1, keepdims=True)) * 255) / 255
     color = np.round(drawn.coverage[..., None].astype(np.float64) * drawn.radiance * 255) / 255
-    held = 1 - opacity if channels == "grey" else np.round(factors * 255) / 255
+    held = 1 - opacity if channels == "gray" else np.round(factors * 255) / 255
     truth = model.composite(drawn.z.astype(np.float64), color, held, BACKGROUND, 5)
     found = render(device, drawn, f"adaptive[nodes=5,channels={channels}]")
     assert_agrees(found, truth, 2.0**-10 * max(1.0, float(truth[0].max())))

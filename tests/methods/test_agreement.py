@@ -16,7 +16,7 @@ SCENES = (
     "layer_stack[order=near_first]",
     "layer_stack[order=shuffled,seed=7,count=8,alpha=0.3]",
     "layer_stack[transmission=colored]",
-    "layer_stack[transmission=grey,clarity=0.3]",
+    "layer_stack[transmission=gray,clarity=0.3]",
     "layer_stack[radiance=40]",
     "glass_bars",
 )

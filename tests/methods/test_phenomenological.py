@@ -87,7 +87,7 @@ def test_beta_is_exact_and_orderless(device: Device) -> None:
         np.testing.assert_allclose(found, expected, rtol=0, atol=1e-5)
 
 
-def test_grey_layers_of_one_kind_are_exact(device: Device) -> None:
+def test_gray_layers_of_one_kind_are_exact(device: Device) -> None:
     layer = Layer(3.0, 0.3, (0.9, 0.5, 0.1), (0.2, 0.2, 0.2))
     for count in (1, 7):
         lists = stack([layer] * count)
@@ -170,7 +170,7 @@ def test_no_index_and_no_tilt_bend_nothing(device: Device) -> None:
         assert abs(read(frame, "delta")).max() < 1e-3
 
 
-def test_rays_bend_toward_the_background_or_two_metres(device: Device) -> None:
+def test_rays_bend_toward_the_background_or_two_meters(device: Device) -> None:
     glass = replace(CLEAR, index=1.5, solid=True)
     offsets = {}
     for behind in (3.0, 5.0):

@@ -39,7 +39,7 @@ def weighted_average(lists: FragmentLists, background: npt.ArrayLike) -> Floats:
 
 
 def weight(equation: int, z: Floats, near: float = 0.1) -> Floats:
-    """Return McGuire & Bavoil 2013, eq. 7 to 10, without their factor o; z in metres."""
+    """Return McGuire & Bavoil 2013, eq. 7 to 10, without their factor o; z in meters."""
     if equation == 10:
         return np.maximum(1e-2, 3e3 * (near / z) ** 3)
     bare = {

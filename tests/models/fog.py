@@ -72,7 +72,7 @@ def jitter(size: tuple[int, int]) -> Floats:
 
 
 def rays(camera: Camera, size: tuple[int, int]) -> Floats:
-    """Return world directions through pixel centers, one metre of view distance long, (h, w, 3)."""
+    """Return world directions through pixel centers, one meter of view distance long, (h, w, 3)."""
     width, height = size
     pixel = 2 * np.tan(camera.fov_y / 2) / height
     x = (np.arange(width) + 0.5 - width / 2) * pixel

@@ -51,7 +51,7 @@ def composite(
 def blur(
     focal: float, collimation: float, weight: float, z: npt.ArrayLike, behind: npt.ArrayLike
 ) -> Floats:
-    """Return one layer's D in pixels; `focal` in pixels, distances in metres."""
+    """Return one layer's D in pixels; `focal` in pixels, distances in meters."""
     distance = np.asarray(z, dtype=np.float64)
     gap = np.abs(np.asarray(behind, dtype=np.float64) - distance)
     return np.asarray(focal * K0 * (1 - collimation) * weight * (1 - K1 / (K1 + gap)) / distance)

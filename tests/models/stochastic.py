@@ -73,7 +73,7 @@ def composite(
     correction: str,
     seed: int = 1,
 ) -> Floats:
-    """Return the picture of lists in order of submission, grey or without transmission."""
+    """Return the picture of lists in order of submission, gray or without transmission."""
     color, opacity = layers_of(lists)
     rounds = -(-samples // 32)
     each = samples // rounds

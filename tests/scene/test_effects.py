@@ -102,16 +102,16 @@ def test_materials_request_effects(material: Material, requested: list[str]) -> 
 
 def test_lights_request_the_shadows_of_the_objects_in_the_scene() -> None:
     sun = (DirectionalLight((0.0, -1.0, 0.0)),)
-    grey, red = (
+    gray, red = (
         Material(coverage=0.5),
         Material(transmission=(0.9, 0.1, 0.1), index=1.5, solid=True),
     )
     shadows = ["SHADOWS", "TRANSLUCENT_SHADOWS"]
-    assert names(scene(grey, lights=sun).effects) == ["COVERAGE", *shadows]
+    assert names(scene(gray, lights=sun).effects) == ["COVERAGE", *shadows]
     assert names(scene(Material(), lights=sun).effects) == ["SHADOWS"]
     found = names(scene(red, lights=sun).effects)
     assert found[-4:] == [*shadows, "COLORED_SHADOWS", "CAUSTICS"]
-    assert names(scene(grey, lights=(EnvironmentLight(),)).effects) == ["COVERAGE"]
+    assert names(scene(gray, lights=(EnvironmentLight(),)).effects) == ["COVERAGE"]
 
 
 def test_fog_and_foliage_request_their_effects() -> None:

@@ -30,7 +30,7 @@ EFFECTS = {
     "frosted_panes": GRAY | SHADOWED | Effect.DIFFUSION,
     "glass_bars": COLORED,
     "layer_stack": GRAY,
-    "layer_stack[transmission=grey]": GRAY,
+    "layer_stack[transmission=gray]": GRAY,
     "layer_stack[transmission=colored]": COLORED,
     "light_shafts": COLORED_CASTERS | Effect.VOLUME,
     "shadow_trio": REFRACTING,

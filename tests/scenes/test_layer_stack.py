@@ -34,7 +34,7 @@ def test_planes_fill_a_view_of_aspect_four_to_one() -> None:
 
 
 def test_materials_follow_the_parameters() -> None:
-    scene = build("layer_stack[alpha=0.3,radiance=20,transmission=grey,clarity=0.5,palette=white]")
+    scene = build("layer_stack[alpha=0.3,radiance=20,transmission=gray,clarity=0.5,palette=white]")
     for item in scene.objects:
         assert item.material.coverage == 0.3
         assert item.material.emission == (20, 20, 20)

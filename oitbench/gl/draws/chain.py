@@ -119,7 +119,7 @@ class Chain(Owner):
         taps : mapping of str to int, optional
             Texels of each read target that one output needs, by the names in `step`.
         names : mapping of str to str, optional
-            Targets that names in `step` stand for, where they differ.
+            Target of each name in `step` that differs from the target's own.
         """
         if isinstance(step, Gather) and not batch and not step.clears:
             return

@@ -39,7 +39,7 @@ def parameter_macros(method: Method) -> str:
 
 
 def pass_macros(item: Pass) -> str:
-    """Return the macros of a pass, and those that tell the scene's shader about it."""
+    """Return the macros of a pass, and those that configure the scene's shader for it."""
     lines = [f"#define {name} {value}" for name, value in item.defines.items()]
     if item.depth is not None:
         lines.append("#define OWN_DEPTH 1")

@@ -1,4 +1,4 @@
-// Depth complexity: how many transparent fragments each pixel has.
+// Depth complexity: the number of transparent fragments in each pixel.
 void gather(Fragment fragment) {
     count = 1.0;
 }

@@ -1,4 +1,4 @@
-// One shaded fragment: what the scene hands to a method's gather().
+// One shaded fragment: the argument of a method's gather().
 struct Fragment {
     vec3 radiance;       // L, reflected and emitted, not premultiplied
     float coverage;      // alpha
@@ -23,7 +23,7 @@ float net_opacity(Fragment fragment) {
     return fragment.coverage * (1.0 - dot(fragment.transmission, vec3(1.0 / 3.0)));
 }
 
-// Premultiplied radiance and net opacity, what scalar methods blend.
+// Premultiplied radiance and net opacity, as scalar methods blend them.
 vec4 premultiplied(Fragment fragment) {
     return vec4(fragment.coverage * fragment.radiance, net_opacity(fragment));
 }

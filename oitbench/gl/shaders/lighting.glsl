@@ -1,18 +1,17 @@
-// The scene's lights, as the engine knows them, and the shadows that they throw.
-// Filled by oitbench/gl/lighting.py.
+// The scene's lights and their shadows; filled by oitbench/gl/shading/lighting.py.
 const float PI = 3.14159265358979;
 
 struct Beam {
     mat4 to_map;      // world to the clip space of its shadow maps
     vec4 place;       // a spot's position and 1, or the direction toward the light and 0
     vec4 axis;        // a spot's unit axis, and half its angle in radians
-    vec4 color;       // intensity or irradiance; world width of a map's texel at one metre
+    vec4 color;       // intensity or irradiance; world width of a map's texel at one meter
     vec4 distance;    // dot product with (position, 1) is the distance along the axis, m
-    vec4 range;       // near and far plane of its maps, m; part of the half angle that fades
+    vec4 range;       // near and far plane of its maps, m; fraction of the half angle that fades
 };
 
 layout(std140, binding = 1) uniform Lights {
-    Beam beams[BEAMS + 1];     // one too many, so that there may be none
+    Beam beams[BEAMS + 1];     // one more than needed: GLSL has no empty arrays
     vec4 surroundings[9];      // irradiance of the environment, spherical harmonics
 };
 
@@ -53,7 +52,7 @@ vec3 surrounding_radiance() { return surroundings[0].rgb / PI; }
 
 // Radiance from the unit direction `d`, blurred as a microfacet lobe of this roughness does.
 vec3 environment_radiance(vec3 d, float roughness) {
-    // GLSL leaves open what atan(0, 0) is: straight up and down any longitude will do.
+    // GLSL does not define atan(0, 0): straight up and down, any longitude will do.
     float longitude = d.x == 0.0 && d.z == 0.0 ? 0.0 : atan(d.x, -d.z);
     vec2 uv = vec2(0.5 + longitude / (2.0 * PI), 0.5 + asin(clamp(d.y, -1.0, 1.0)) / PI);
     vec2 size = vec2(textureSize(environment_texture, 0));

@@ -1,4 +1,4 @@
-// Reads one fragment of a given list and hands it to the method.
+// Reads one fragment of a given list and passes it to the method.
 in vec3 v_radiance;
 in float v_z;
 flat in float v_layer;

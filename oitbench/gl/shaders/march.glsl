@@ -1,5 +1,5 @@
 // A ray marched through the medium that fills a box (McGuire & Mara 2017, TVCG, section 7.2).
-// Filled by oitbench/gl/fog.py.
+// Filled by oitbench/gl/shading/medium.py.
 #include "random.glsl"
 
 layout(std140, binding = 2) uniform Medium {
@@ -12,16 +12,16 @@ layout(std140, binding = 2) uniform Medium {
 uniform sampler3D density_texture;   // factor on the extinction, linear between cells' centers
 #endif
 
-// A part of the medium as thin as a surface, as which it is composited.
+// A thin part of the medium, composited like a surface.
 struct Slice {
     vec3 radiance;    // L
     float coverage;   // alpha; a slice has no transmission
     float z;          // view distance of its middle, m
 };
 
-// What the view ray of a pixel has of the medium.
+// The part of a pixel's view ray that lies inside the medium.
 struct Path {
-    vec3 direction;   // from the eye, as long as to advance one metre of view distance
+    vec3 direction;   // from the eye; its length advances one meter of view distance
     float enters;     // view distance, m
     float leaves;
 };
@@ -42,7 +42,7 @@ float density_at(vec3 position) {
 #endif
 }
 
-// Between near plane and the view distance `behind`; it may leave before it enters.
+// Between the near plane and the view distance `behind`; `leaves` < `enters` if the ray misses.
 Path path_through_medium(float behind) {
     vec3 direction = pixel_ray(gl_FragCoord.xy);
     vec3 safe = mix(direction, vec3(1e-12), lessThan(abs(direction), vec3(1e-12)));
@@ -52,7 +52,7 @@ Path path_through_medium(float behind) {
                 min(min(last.x, last.y), min(last.z, behind)));
 }
 
-// Radiance toward the eye of what scatters at `position`, per extinguished light.
+// Radiance that scatters toward the eye at `position`, per extinguished light.
 vec3 scattered(vec3 position, vec3 onward) {
     vec3 sum = vec3(0.0);
     for (int i = 0; i < BEAMS; ++i) {
@@ -67,9 +67,9 @@ vec3 scattered(vec3 position, vec3 onward) {
     return medium_color.rgb * sum * radiance_gain;
 }
 
-// Part of a slice at which a pixel samples all of its slices: noise in place of bands. Blocks of
-// pixels draw it at random; the 4 x 4 pixels of a block share it out evenly, and so does every
-// quarter of a block (Bayer 1973).
+// Position inside a slice, in [0, 1), at which a pixel samples all of its slices: noise in place of
+// bands. It is random per block of 4 x 4 pixels, and spread evenly over the pixels of a block and of
+// each of its quarters (Bayer 1973).
 float jitter() {
     uvec2 pixel = uvec2(gl_FragCoord.xy);
     uint x = pixel.x ^ pixel.y, y = pixel.y;
@@ -77,13 +77,13 @@ float jitter() {
     return fract(float(rank) / 16.0 + unit_interval(hash(uvec3(pixel / 4u, 0)).x));
 }
 
-// The slice `k` of `count` of equal thickness, of which light and density are those `part` way in.
+// Slice `k` of `count` of equal thickness; light and density are sampled at the fraction `part`.
 Slice slice_of(Path path, int k, int count, float part) {
     float thickness = max(path.leaves - path.enters, 0.0) / float(count);
     float begins = path.enters + float(k) * thickness;
     vec3 position = eye.xyz + (begins + part * thickness) * path.direction;
-    float metres = length(path.direction) * thickness;
-    float coverage = 1.0 - exp(-medium_low.w * density_at(position) * metres);
+    float meters = length(path.direction) * thickness;
+    float coverage = 1.0 - exp(-medium_low.w * density_at(position) * meters);
     vec3 radiance = coverage > 0.0 ? scattered(position, normalize(path.direction)) : vec3(0.0);
     return Slice(radiance, coverage, begins + 0.5 * thickness);
 }

@@ -1,11 +1,11 @@
-// Openness: the part of the cosine-weighted hemisphere over a surface that nothing hides, found from
+// Openness: the fraction of the cosine-weighted hemisphere over a surface that is not occluded, from
 // the depth buffer. In each of a few planes through the view ray, the horizon on either side is
-// searched for, and what lies between both horizons is integrated in closed form (Jimenez et al.
+// found, and the arc between both horizons is integrated in closed form (Jimenez et al.
 // 2016, "Practical realtime strategies for accurate indirect occlusion", equations 3 to 7; horizons:
-// Bavoil et al. 2008). The sum over the planes is divided by what it is without any horizon, so that
-// a plane is exactly open, however few planes are used.
+// Bavoil et al. 2008). The sum over the planes is divided by its value without horizons, so that a
+// flat surface is exactly open, however few planes are used.
 
-const float RADIUS = 1e-6 * float(RADIUS_MICROMETRES);   // m
+const float RADIUS = 1e-6 * float(RADIUS_MICROMETERS);   // m
 const float QUARTER = 1.57079632679490;                  // of a turn, radians
 
 // Camera space, m.
@@ -36,8 +36,8 @@ struct Slice {
     vec3 aside;    // along the surface, by one along `axis` and by none across the picture
 };
 
-// Cosine between the view and the highest horizon in one direction, no lower than `lowest`. Within
-// half the radius surfaces count in full, beyond they fade.
+// Cosine between the view and the highest horizon in one direction, no lower than `lowest`. Surfaces
+// count fully within half the radius, and fade beyond it.
 float horizon(ivec2 pixel, vec3 here, Slice slice, vec2 direction, float reach, float start,
               float lowest) {
     float highest = lowest;
@@ -78,8 +78,8 @@ void resolve() {
                         change_along(pixel, ivec2(0, 1), depth));
     normal = normalize(dot(normal, view) < 0.0 ? -normal : normal);
     float reach = RADIUS * pixel_focal / -here.z;
-    // 16 directions and four first steps, each in every block of 4 x 4 pixels: what is left of the
-    // pattern, the filter takes away.
+    // Each block of 4 x 4 pixels has 16 directions and four first steps; the filter removes the
+    // pattern.
     float turn = float((((pixel.x + pixel.y) & 3) << 2) + (pixel.x & 3)) / 16.0;
     float start = (float((pixel.y - pixel.x) & 3) + 0.5) / 4.0;
     float seen = 0.0, all = 0.0;

@@ -1,9 +1,9 @@
 // Averages openness over its pattern of 4 x 4 pixels, on the surface that each pixel shows. The box
 // is centered: the fifth row is the first one of the next pattern, and each counts half.
 
-// Part of the radius by which a pixel's distance may differ until it does not count at all.
+// Difference in distance, as a fraction of the radius, at which a pixel no longer counts.
 const float SAME = 0.25;
-const float RADIUS = 1e-6 * float(RADIUS_MICROMETRES);   // m
+const float RADIUS = 1e-6 * float(RADIUS_MICROMETERS);   // m
 
 void resolve() {
     ivec2 pixel = ivec2(gl_FragCoord.xy), last = ivec2(frame_size) - 1;

@@ -1,2 +1,2 @@
-// Depth alone: opaque surfaces as a light sees them.
+// The depth of opaque surfaces, as a light sees them.
 void gather(Fragment fragment) {}

@@ -1,4 +1,4 @@
-// Records every transparent fragment of the pixels that are drawn, with its place in the draws.
+// Records each transparent fragment of the drawn pixels, with its place in the order of draws.
 void gather(Fragment fragment) {
     uint record = allocate_fragments();
     if (record != NONE) {

@@ -1,13 +1,13 @@
-// Stochastic colored shadows with caustics: a surface is kept with the probability that it keeps
-// back the light of one channel (McGuire & Mara 2017, equations 11 to 13).
+// Stochastic colored shadows with caustics: a surface is drawn with the probability that it blocks
+// the light of one channel (McGuire & Mara 2017, equations 11 to 13).
 #include "random.glsl"
 
-// Steps a metre of the grid on which world positions are hashed: finer than a map's texel, and
-// the same wherever the camera is.
+// Cells per meter of the grid on which world positions are hashed: finer than a map's texel, and
+// independent of the camera.
 const float GRID = 16384.0;
 
-// What the flow of light is multiplied by through the bend of a solid: less in the middle, where the
-// caustic is, and more at the rim. s = 0 means no bend, and no power of zero.
+// Factor on the blocked light for the refraction of a solid: less in the middle, where the caustic
+// is, and more at the rim. s = 0 means no refraction, and avoids a power of zero.
 float caustic_factor(float index, float cosine) {
 #ifdef EFFECT_CAUSTICS
     float s = clamp(0.5 * (index - 1.0), 0.0, 1.0);
@@ -19,10 +19,10 @@ float caustic_factor(float index, float cosine) {
     return 1.0;
 }
 
-// Parts of each channel that the surface keeps back.
+// Fraction of each channel that the surface blocks.
 vec3 kept_back(Fragment fragment) {
     vec3 kept = fragment.coverage * (1.0 - fragment.transmission);
-#ifdef GREY
+#ifdef GRAY
     kept = vec3(dot(kept, vec3(1.0 / 3.0)));
 #endif
     return min(kept * caustic_factor(fragment.index, fragment.incidence), vec3(1.0));
@@ -35,14 +35,14 @@ void gather(Fragment fragment) {
         discard;
     }
 #else
-    // The same number for all channels: noise stays grey.
+    // The same number for all channels: noise stays gray.
     ivec3 cell = ivec3(floor(fragment.position * GRID));
     float number = unit_interval(hash(uvec3(cell)).x);
     if (all(lessThanEqual(part, vec3(number)))) {
         discard;
     }
     map0 = part.r > number ? fragment.depth : 1.0;
-#ifndef GREY
+#ifndef GRAY
     map1 = part.g > number ? fragment.depth : 1.0;
     map2 = part.b > number ? fragment.depth : 1.0;
 #endif

@@ -1,6 +1,6 @@
 // One direction of a tent of 15 texels, weights 1 to 8 to 1, that keeps every fourth texel. Texels
 // without a surface count as 1.1 times the farthest one beneath the tent: at the far plane they
-// would make all of the variance.
+// would dominate the variance.
 const int RADIUS = 7;
 const int KEPT = 4;
 
@@ -33,7 +33,7 @@ void resolve() {
     }
     float beyond = 1.1 * farthest;
 #ifndef ACROSS
-    // Nothing at all beneath the finished tent: all that the map can show is lit.
+    // No surface beneath the finished tent: the map's whole range is lit.
     beyond = farthest > 0.0 ? beyond : far_plane;
 #endif
     filtered = sum + empty * vec2(beyond, beyond * beyond);

@@ -1,7 +1,7 @@
-// How much of a beam arrives: opaque maps (Williams 1978) and variance maps of stochastic colored
-// shadows (McGuire & Mara 2017, section 4.6; Donnelly & Lauritzen 2006).
+// The fraction of a beam that arrives: opaque maps (Williams 1978), and variance maps of stochastic
+// colored shadows (McGuire & Mara 2017, section 4.6; Donnelly & Lauritzen 2006).
 
-// Distance along the axis of what a map's depth stands for, m.
+// Distance along the axis that a map's depth encodes, m.
 float map_distance(int i, float depth) {
     float near = beams[i].range.x, far = beams[i].range.y;
     return beams[i].place.w == 0.0 ? near + depth * (far - near)
@@ -11,7 +11,7 @@ float map_distance(int i, float depth) {
 struct MapPlace {
     vec2 uv;
     float distance;   // along the axis, m
-    bool inside;      // of what the map shows
+    bool inside;      // whether the map covers the point
 };
 
 // Where a point lies in a beam's maps.
@@ -22,14 +22,14 @@ MapPlace place_in_map(int i, vec3 position) {
     return MapPlace(0.5 + 0.5 * ndc, dot(beams[i].distance, vec4(position, 1.0)), inside);
 }
 
-// A point moved off its surface along the normal `side`, by what two texels of the depth map span,
-// so that it does not lie in the hard shadow of itself.
+// A point moved off its surface along the normal `side`, by two texels of the depth map, so that the
+// surface does not shadow itself.
 vec3 off_surface(int i, vec3 position, vec3 side) {
     float span = beams[i].place.w == 0.0 ? 1.0 : dot(beams[i].distance, vec4(position, 1.0));
     return position + 2.0 * beams[i].color.w * span * side;
 }
 
-// Part of the light that passes the nearest opaque surface, between the four texels around.
+// Fraction of the light that passes the nearest opaque surface, interpolated between four texels.
 float opaque_visibility(sampler2D map, int i, MapPlace place) {
     ivec2 size = textureSize(map, 0);
     vec2 texel = place.uv * vec2(size) - 0.5;
@@ -44,11 +44,11 @@ float opaque_visibility(sampler2D map, int i, MapPlace place) {
     return mix(mix(lit.x, lit.y, part.x), mix(lit.z, lit.w, part.x), part.y);
 }
 
-// What a variance map's texel stands for lies this part of it beyond its middle: the tent's middle
+// The center of a variance map's texel, as a fraction of a texel beyond its middle: the tent's middle
 // tap is the third of four texels (shadow_tent.glsl).
 const float BEYOND_MIDDLE = 0.125;
 
-// Chebyshev's bound on the part of the light that reaches `distance`, of moments (z, z^2).
+// Chebyshev's bound on the fraction of the light that reaches `distance`, of moments (z, z^2).
 float variance_visibility(sampler2D map, vec2 place, float distance) {
     vec2 shift = BEYOND_MIDDLE / vec2(textureSize(map, 0));
     vec2 moments = textureLod(map, place - shift, 0.0).rg;
@@ -57,4 +57,4 @@ float variance_visibility(sampler2D map, vec2 place, float distance) {
     return behind <= 0.0 ? 1.0 : variance / (variance + behind * behind);
 }
 
-// Samplers and `beam_visibility(i, position, normal)` follow, one case a beam.
+// Samplers and `beam_visibility(i, position, normal)` follow, one case per beam.

@@ -1,4 +1,4 @@
-// Shades one fragment of a mesh and hands it to the method.
+// Shades one fragment of a mesh and passes it to the method.
 in vec2 v_uv;
 in vec3 v_radiance;
 in float v_z;
@@ -12,8 +12,8 @@ flat in float v_material;
 #ifdef TEXTURED
 uniform sampler2DArray surface_textures;   // premultiplied (emission * coverage, coverage)
 
-// Trilinear lookup in two exact levels: drivers are free to round their own level of detail, and
-// the path tracer has to meet the same texels.
+// Trilinear lookup in two exact levels: drivers may round their level of detail, and the path tracer
+// must filter the same texels.
 vec4 filtered_texel(vec2 uv, float layer) {
     vec2 size = vec2(textureSize(surface_textures, 0).xy);
     vec2 dx = dFdx(uv) * size;
@@ -28,7 +28,7 @@ vec4 filtered_texel(vec2 uv, float layer) {
 #endif
 
 #ifdef INTERIOR
-// Binary coverage that, filtered, covers so much of a pixel is opaque there.
+// Filtered binary coverage of at least this is opaque.
 const float WHOLE = 254.0 / 255.0;
 #endif
 
@@ -41,7 +41,7 @@ vec3 facing_normal(vec3 toward) {
     return dot(normal, toward) < 0.0 ? -normal : normal;
 }
 
-// What the surface does to light beyond covering, tinting and emitting.
+// Adds reflection, and the properties of refraction and diffusion.
 void add_reflection(inout Fragment fragment, vec3 normal, vec3 toward, vec2 gradient) {
     Surface surface = surface_at(int(v_material + 0.5));
     float openness = 1.0;

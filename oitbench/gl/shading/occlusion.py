@@ -75,7 +75,7 @@ class Occlusion(Owner):
         interior = Gather("opaque_map.glsl", depth="occluders", defines={"INTERIOR": 1})
         self._chain.add(opaque, blueprint, "occluders", geometry.opaque)
         self._chain.add(interior, blueprint, "occluders", geometry.cutouts)
-        radius = {"RADIUS_MICROMETRES": _micrometres(geometry.scene.ambient_occlusion)}
+        radius = {"RADIUS_MICROMETERS": _micrometers(geometry.scene.ambient_occlusion)}
         taps = _AROUND + 2 * PLANES * STEPS
         for shader, result, reads, defines in (
             ("occlusion.glsl", "raw", {"occluders": taps}, {"PLANES": PLANES, "STEPS": STEPS}),
@@ -111,6 +111,6 @@ class Occlusion(Owner):
         return self._chain.memory()
 
 
-def _micrometres(radius: float) -> int:
-    """Return a radius in metres as a positive integer that GLSL can hold."""
+def _micrometers(radius: float) -> int:
+    """Return a radius in meters as a positive integer that GLSL can hold."""
     return min(max(round(1e6 * radius), 1), 2**31 - 1)

@@ -48,7 +48,7 @@ class ShadowMaps(Owner):
     opaque : bool
         Whether there is a map of opaque surfaces.
     channels : int
-        Number of variance maps: 0, 1 for grey light, or 3.
+        Number of variance maps: 0, 1 for gray light, or 3.
     textures : dict of str to moderngl.Texture
         All maps by name.
     finished : dict of str to moderngl.Texture
@@ -102,7 +102,7 @@ class ShadowMaps(Owner):
             chain.add(opaque, blueprint, _DRAWN, geometry.opaque)
             if not self.channels:
                 # Without translucent shadows, surfaces that absorb half the light cast hard ones.
-                binary = Gather(_SHADER, depth="opaque", defines={"BINARY": 1, "GREY": 1})
+                binary = Gather(_SHADER, depth="opaque", defines={"BINARY": 1, "GRAY": 1})
                 chain.add(binary, blueprint, _DRAWN, geometry.casting)
         if self.channels:
             maps = tuple(f"map{k}" for k in range(self.channels))
@@ -112,7 +112,7 @@ class ShadowMaps(Owner):
                 depth="opaque" if self.opaque else None,
                 depth_writes=False,
                 clears=maps,
-                defines={"GREY": 1} if self.channels == 1 else {},
+                defines={"GRAY": 1} if self.channels == 1 else {},
             )
             chain.add(draw, blueprint, _DRAWN, geometry.casting)
         for channel in range(self.channels):

@@ -29,7 +29,7 @@ class View:
 
     @property
     def step(self) -> tuple[float, float]:
-        """Distance between sub-pixels to the right and up, on the plane one metre in front."""
+        """Distance between sub-pixels to the right and up, on the plane one meter in front."""
         tall = 2 * math.tan(self.camera.fov_y / 2)
         return tall * (self.width / self.height) / self.width, tall / self.height
 
@@ -41,7 +41,7 @@ class View:
         Returns
         -------
         origins : array, shape (n, 3)
-            On the near plane, in metres.
+            On the near plane, in meters.
         directions : array, shape (n, 3)
             Unit vectors.
         """
@@ -55,7 +55,7 @@ class View:
         return origins, forward / np.linalg.norm(forward, axis=1, keepdims=True)
 
     def before_far_plane(self, mitsuba: Any, drjit: Any, p: Any) -> Any:
-        """Return whether the point `p`, Point3f in metres, is not beyond the far plane; Bool."""
+        """Return whether the point `p`, Point3f in meters, is not beyond the far plane; Bool."""
         if math.isinf(self.camera.far):
             return mitsuba.Bool(True)
         back = mitsuba.Vector3f(*map(float, self.camera.axes[2]))

@@ -14,9 +14,9 @@ import numpy as np
 from oitbench.scene import RGB, Material, Mesh, Object
 
 HALF_SPREAD = 0.25
-"""k₀ of McGuire & Mara 2017, equation 7, in metres."""
+"""k₀ of McGuire & Mara 2017, equation 7, in meters."""
 SPREAD_DISTANCE = 0.5
-"""k₁ of the same equation, in metres."""
+"""k₁ of the same equation, in meters."""
 LEAST_BEND = 0.02
 """Smallest N − 1 that enters the roughness of an interface, which is inversely proportional to
 it."""
@@ -47,7 +47,7 @@ def interface_roughness(material: Material) -> float:
 
 
 def mean_chord(mesh: Mesh) -> float:
-    """Return the mean length of the chords through a closed mesh, 4V/S (Cauchy), in metres."""
+    """Return the mean length of the chords through a closed mesh, 4V/S (Cauchy), in meters."""
     corners = mesh.positions[mesh.triangles].astype(np.float64)
     corners = corners - corners.mean(axis=(0, 1))
     cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])

@@ -23,7 +23,7 @@ PHOTONS_PER_CELL = 64
 """Least number of photons for each cell, which are spread evenly over it. With few photons, the
 grid is coarser instead."""
 NEAREST = 1e-3
-"""Metres in front of a spot light. A triangle that is closer may cover the whole cone."""
+"""Meters in front of a spot light. A triangle that is closer may cover the whole cone."""
 ADDENDS = (3242174889, 2447445413)
 """2³² / p and 2³² / p² with p³ = p + 1: the sequence R₂ of Roberts 2018, "The Unreasonable
 Effectiveness of Quasirandom Sequences"."""
@@ -39,7 +39,7 @@ class Emission:
     axes : array, shape (3, 3)
         Unit right, up and forward vectors of the light as rows.
     origin : array, shape (3,)
-        Metres. The position of a spot light, or a point on a plane in front of the whole scene.
+        Meters. The position of a spot light, or a point on a plane in front of the whole scene.
     low : array, shape (2,)
         Corner of the grid: in meters for a parallel projection, as tangents for a central one.
     side : float

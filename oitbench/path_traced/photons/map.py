@@ -50,9 +50,9 @@ class CausticMap:
     mitsuba, drjit : module
         With an LLVM or CUDA variant set.
     origin : Point3f
-        Origin of the grid, metres.
+        Origin of the grid, meters.
     side : Float
-        Side of a cell in metres; that of a wide cell is `WIDER` times as large.
+        Side of a cell in meters; that of a wide cell is `WIDER` times as large.
     keys : UInt64
         Cells that receive any light, ascending.
     light : Float

@@ -18,11 +18,11 @@ class Line:
     Parameters
     ----------
     o : Point3f
-        Origin, metres.
+        Origin, meters.
     d : Vector3f
         Direction, a unit vector.
     along : Float
-        Distance in metres from the origin up to which the line has been explored.
+        Distance in meters from the origin up to which the line has been explored.
     known : UInt32
         Number of the face that was hit last; it is not hit again.
     """
@@ -62,7 +62,7 @@ class Hit:
     fresh : Bool
         Whether the hit counts: the triangle is drawn, and is not the one that was hit last.
     at : Float
-        Distance along the line in metres; infinite where nothing is hit.
+        Distance along the line in meters; infinite where nothing is hit.
     beyond : Float
         Distance from which to continue.
     face : UInt32

@@ -104,7 +104,7 @@ def trace(
     integrator : Integrator
     content : mitsuba.Scene
     rays : pair of array, shape (n, 3)
-        Origins in metres, and unit directions.
+        Origins in meters, and unit directions.
     seed : int
 
     Returns

@@ -30,7 +30,7 @@ class TracedBeam:
     light: DirectionalLight | SpotLight
 
     def toward(self, p: Any) -> tuple[Any, Any, Any]:
-        """Return the unit vector from `p` to the light, its distance in metres, and E at `p`.
+        """Return the unit vector from `p` to the light, its distance in meters, and E at `p`.
 
         E is the irradiance on a surface at `p` that faces the light, without shadows.
         """
@@ -63,7 +63,7 @@ class TracedBeam:
         o, d : Point3f, Vector3f
             Origin and direction of the line.
         near, far : Float
-            Ends of the line, in metres along it.
+            Ends of the line, in meters along it.
         falloff : Float
             Rate of the exponential density, m⁻¹.
         one : Float
@@ -72,7 +72,7 @@ class TracedBeam:
         Returns
         -------
         at : Float
-            Metres along the line.
+            Meters along the line.
         density : Float
             Probability density, m⁻¹.
         """

@@ -67,14 +67,14 @@ class TracedMedium:
         o, d : Point3f, Vector3f
             Origin and direction of the line.
         start, end : Float
-            Ends of the line, in metres along it.
+            Ends of the line, in meters along it.
         rng : PCG32
         active : Bool
 
         Returns
         -------
         at : Float
-            Metres along the line; infinite if the light reaches the end.
+            Meters along the line; infinite if the light reaches the end.
         rng : PCG32
         """
         near, far = self.clip(o, d, start, end)
@@ -137,7 +137,7 @@ class TracedMedium:
         return self.majorant if self.density is None else self.majorant * self._relative(p, active)
 
     def clip(self, o: Any, d: Any, start: Any, end: Any) -> tuple[Any, Any]:
-        """Return the ends of the part of a line that is inside the box, in metres along it.
+        """Return the ends of the part of a line that is inside the box, in meters along it.
 
         The line does not cross the box if the second is not greater than the first.
         """

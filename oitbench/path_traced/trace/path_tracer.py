@@ -63,7 +63,7 @@ class Path:
     throughput : Color3f
         Part of the light from ahead that reaches the eye.
     since : Float
-        Metres since the path last crossed the boundary of a solid.
+        Meters since the path last crossed the boundary of a solid.
     bounces : UInt32
         How often the path has changed its direction.
     rng : PCG32
@@ -249,7 +249,7 @@ class PathTracer:
         ----------
         line, hit
         since : Float
-            Metres since the path last crossed the boundary of a solid.
+            Meters since the path last crossed the boundary of a solid.
         rng : PCG32
         active : Bool
 

@@ -21,7 +21,7 @@ class Candidate:
     line : Line
         From the point toward the light.
     limit : Float
-        Distance of the light in metres.
+        Distance of the light in meters.
     value : Color3f
         Light that reaches the eye if nothing is in the way; for the environment, without the factor
         of its radiance.

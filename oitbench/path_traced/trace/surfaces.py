@@ -91,7 +91,7 @@ class Surfaces:
         )
 
     def intersect(self, line: Line, active: Any, limit: Any = math.inf) -> Hit:
-        """Return the next hit of `line`, before `limit` metres along it."""
+        """Return the next hit of `line`, before `limit` meters along it."""
         mitsuba, drjit = self.mitsuba, self.drjit
         start = mitsuba.Ray3f(line.o + line.d * line.along, line.d)
         start.maxt = drjit.maximum(limit - line.along, 0)

@@ -14,8 +14,8 @@ void begin_curve() {
 // Minus the logarithm of a transmittance; an opaque layer lets one part in 100,000 pass.
 float absorbance(float factor) { return -log(max(factor, 1e-5)); }
 
-// Where `z` lies between bounds (-nearest, farthest) of what absorbs, in [0, 1]. Layers at one
-// distance lie at 0, where nothing hides them, and all that is behind them at 1.
+// Relative depth of `z` in [0, 1], between bounds (-nearest, farthest) of absorbing layers. Layers at
+// the same distance lie at 0, where nothing hides them, and layers behind them at 1.
 float relative_depth(float z, vec2 bounds) {
     return clamp((z + bounds.x) / max(bounds.x + bounds.y, 1e-6), 0.0, 1.0);
 }

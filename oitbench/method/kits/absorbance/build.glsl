@@ -1,4 +1,4 @@
-// Adds what the fragment absorbs to the curve.
+// Adds the fragment's absorbance to the curve.
 #include "absorbance/base.glsl"
 
 void gather(Fragment fragment) {

@@ -1,4 +1,4 @@
-// Adds the fragment as far as the curve lets it be seen.
+// Adds the fragment, attenuated by the curve.
 #include "absorbance/base.glsl"
 
 void gather(Fragment fragment) {

@@ -1,7 +1,7 @@
-// Nodes of a pixel's bounded list: K of them, in targets `depths` and `colors` as laid out by
-// oitbench/bounded_nodes.py. A node's color is alpha L and net opacity o, premultiplied: opacity
-// rather than transmittance keeps thin layers apart in half floats, and white furnaces white.
-// A value that half floats can hold, the nearest: drivers round as they like, some toward zero.
+// Nodes of a pixel's bounded list: K of them, in the targets `depths` and `colors` of
+// oitbench/method/kits/bounded_nodes. A node's color is alpha L and net opacity o, premultiplied:
+// opacity, not transmittance, keeps thin layers distinct in half floats, and white furnaces white.
+// The nearest half float: drivers round in different ways, some toward zero.
 float half_float(float x) {
     uint bits = floatBitsToUint(clamp(x, 0.0, 65504.0));
     return uintBitsToFloat((bits + 0xFFFu + ((bits >> 13) & 1u)) & 0xFFFFE000u);
@@ -47,7 +47,7 @@ bool hides_nothing(Color color) { return color == uvec4(0u); }
 #endif
 
 struct Node {
-    uint depth;    // bits of the view distance in metres, which sort as it does
+    uint depth;    // bits of the view distance in meters, which sort as it does
     Color color;
 };
 

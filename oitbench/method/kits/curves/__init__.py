@@ -26,7 +26,7 @@ class CurveMethod(Method):
         grid=("variable", "fixed"),
         help="`variable` keeps all fragments in lists, `fixed` keeps the curve in targets",
     )
-    channels = Parameter("grey", choices=("grey", "rgb"), help="one curve, or one per channel")
+    channels = Parameter("gray", choices=("gray", "rgb"), help="one curve, or one per channel")
     node = Parameter(
         "compact",
         choices=("compact", "precise"),

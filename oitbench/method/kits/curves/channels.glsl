@@ -11,5 +11,5 @@ float served_factor(vec3 factor) { return (factor.r + factor.g + factor.b) / 3.0
 
 #endif
 
-// What a background is multiplied by in all channels: one where the round does not serve.
+// Factor on the background in all channels: one in channels that the round does not serve.
 vec3 background_factor(float total) { return mix(vec3(1.0), vec3(total), served()); }

@@ -1,4 +1,4 @@
-// What a list's record holds. Methods with lists have the parameters `node` and `msaa`; those with
+// The record of a list. Methods with lists have the parameters `node` and `msaa`; those with
 // `channels` keep colored transmission in compact records as well.
 
 #if NODE == NODE_PRECISE
