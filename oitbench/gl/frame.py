@@ -19,7 +19,7 @@ from oitbench.gl.draws.executor import CompiledStep, Executor
 from oitbench.gl.draws.records import PassRecord, Term
 from oitbench.gl.ownership import Owner
 from oitbench.gl.plan import FramePlan
-from oitbench.gl.program.passes import Blueprint, attach, compile_pass
+from oitbench.gl.program.passes import Blueprint, CompiledPass, attach, compile_pass
 from oitbench.gl.program.shading_inputs import UNLIT
 from oitbench.gl.resources import Resources
 from oitbench.gl.shading.backdrop import Backdrop
@@ -29,7 +29,16 @@ from oitbench.gl.tiling import Counts, sum_by_tile
 from oitbench.gl.uploaded_scene import UploadedScene
 from oitbench.gl.view import view_block
 from oitbench.method.declaration import Method
-from oitbench.method.passes import OPAQUE_COLOR, OPAQUE_DEPTH, Gather, Loop, Objects, Order, Step
+from oitbench.method.passes import (
+    OPAQUE_COLOR,
+    OPAQUE_DEPTH,
+    Gather,
+    Loop,
+    Objects,
+    Order,
+    Pass,
+    Step,
+)
 from oitbench.method.steps import passes_of
 
 Image = npt.NDArray[np.float32]
@@ -155,7 +164,7 @@ class Frame(Owner):
             plan.label, plan.declared, plan.buffers, plan.bindings, plan.folders, plan.macros,
             plan.effects, shading, plan.samples, plan.mechanism or "",
         )  # fmt: skip
-        self._steps = [self.own(self._compile(blueprint, step)) for step in plan.steps]
+        self._steps = [self._compile(blueprint, step) for step in plan.steps]
         self._executor = Executor(
             device, self._views, self.resources.copy, self.resources.take_counts
         )
@@ -171,19 +180,18 @@ class Frame(Owner):
         if isinstance(step, Loop) and step.swaps:
             traded = {a: self.textures[b] for pair in step.swaps for a, b in (pair, pair[::-1])}
             rounds.append({**self.textures, **traded})
-        return CompiledStep(
-            step,
-            tuple(
-                tuple(
-                    compile_pass(
-                        self.device, self.scene.geometry, blueprint, item, textures,
-                        (item.order, item.objects) if isinstance(item, Gather) else None,
-                    )
-                    for item in passes_of(step)
-                )
-                for textures in rounds
-            ),
-        )  # fmt: skip
+        compiled = [
+            [self._compile_pass(blueprint, item, textures) for item in passes_of(step)]
+            for textures in rounds
+        ]
+        return CompiledStep(step, tuple(map(tuple, compiled)))
+
+    def _compile_pass(
+        self, blueprint: Blueprint, step: Pass, textures: dict[str, moderngl.Texture]
+    ) -> CompiledPass:
+        draws = (step.order, step.objects) if isinstance(step, Gather) else None
+        geometry = self.scene.geometry
+        return self.own(compile_pass(self.device, geometry, blueprint, step, textures, draws))
 
     @property
     def shading(self) -> tuple[Lighting | Occlusion, ...]:
@@ -326,14 +334,12 @@ class Frame(Owner):
         texture = self.textures[target]
         if self.plan.samples_of(target) == 1:
             return _texels(texture, size, entry.components, entry.dtype)
-        averaged = self.device.texture(size, entry)
-        framebuffer = attach(self.device, averaged, entry)
-        framebuffer.use()  # without a scissor
-        self.device.context.copy_framebuffer(framebuffer, self._framebuffers[target])
-        framebuffer.release()
-        image = _texels(averaged, size, entry.components, entry.dtype)
-        averaged.release()
-        return image
+        with Owner() as owner:
+            averaged = owner.own(self.device.texture(size, entry))
+            framebuffer = owner.own(attach(self.device, averaged, entry))
+            framebuffer.use()  # without a scissor
+            self.device.context.copy_framebuffer(framebuffer, self._framebuffers[target])
+            return _texels(averaged, size, entry.components, entry.dtype)
 
 
 def check_size(device: Device, size: tuple[int, int]) -> None:

@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from oitbench.errors import CapabilityError
 from oitbench.gl.device import Device
+from oitbench.gl.ownership import Owner
 from oitbench.gl.plan import FramePlan
 from oitbench.gl.program.bindings import Access
 from oitbench.gl.tiling import ALLOCATOR_STRIDE, TILE, Counts, Region, split
@@ -17,7 +18,7 @@ from oitbench.method.formats import GLSL_BYTES
 from oitbench.method.storage import Items
 
 
-class Resources:
+class Resources(Owner):
     """The objects that a method's plan allocates.
 
     Parameters
@@ -41,14 +42,12 @@ class Resources:
     """
 
     def __init__(self, device: Device, plan: FramePlan, block_limit: int | None = None) -> None:
+        super().__init__()
         self._device, self._plan = device, plan
         self._block_limit = min(device.max_block_bytes, block_limit or device.max_block_bytes)
         width, height = plan.size
         self.tiles = (math.ceil(height / TILE), math.ceil(width / TILE))
-        self.textures = {
-            name: device.texture(target.size(plan.size), target.texel, plan.samples_of(name))
-            for name, target in plan.targets.items()
-        }
+        self.textures: dict[str, moderngl.Texture] = {}
         self._blocks: dict[tuple[str, str], moderngl.Buffer] = {}
         self._allocators: dict[str, moderngl.Buffer] = {}
         self._records: dict[str, int] = {}
@@ -56,20 +55,21 @@ class Resources:
         self.demand: Counts = np.zeros(self.tiles, dtype=np.int64)
         self.regions = [Region(0, 0, self.tiles[1], self.tiles[0])]
         self._counters: moderngl.Buffer | None = None
-        try:
+        with self.building():
             self._allocate_fixed()
-        except CapabilityError:
-            self.release()
-            raise
 
     def _allocate_fixed(self) -> None:
         width, height = self._plan.size
+        for name, target in self._plan.targets.items():
+            samples = self._plan.samples_of(name)
+            texture = self._device.texture(target.size(self._plan.size), target.texel, samples)
+            self.textures[name] = self.own(texture)
         for name, buffer in self._plan.buffers.items():
             if buffer.items is Items.PIXELS:
                 self._allocate(name, width * height)
         if self._plan.bindings.counters is not None:
             words = math.prod(self.tiles) * len(self._plan.bindings.slots)
-            self._counters = self._device.context.buffer(reserve=4 * words)
+            self._counters = self.own(self._device.context.buffer(reserve=4 * words))
             self._counters.clear()
 
     def records(self, name: str) -> int:
@@ -88,7 +88,7 @@ class Resources:
                     f"buffer {name}.{field} needs {size} bytes; the driver allows"
                     f" {self._block_limit}: render a smaller frame"
                 )
-            self._blocks[name, field] = self._device.context.buffer(reserve=size)
+            self._blocks[name, field] = self.own(self._device.context.buffer(reserve=size))
 
     def reserve(self, demand: Counts) -> None:
         """Make room for `demand` records per tile, (rows, columns), in as few regions as fit."""
@@ -104,7 +104,8 @@ class Resources:
                 self._allocate(name, records)
             if name not in self._allocators:
                 words = math.prod(self.tiles) * ALLOCATOR_STRIDE
-                self._allocators[name] = self._device.context.buffer(reserve=4 * words)
+                allocator = self._device.context.buffer(reserve=4 * words)
+                self._allocators[name] = self.own(allocator)
 
     def begin(self, region: Region) -> None:
         """Clear the buffers, and give each tile of `region` its share of the records."""
@@ -187,11 +188,3 @@ class Resources:
         # Two words per tile are used; the padding to a cache line belongs to this renderer.
         terms += [(f"{name} allocator", 8 * math.prod(self.tiles)) for name in self._allocators]
         return terms
-
-    def release(self) -> None:
-        """Free the device's memory."""
-        for texture in self.textures.values():
-            texture.release()
-        blocks = [*self._blocks.values(), *self._allocators.values()]
-        for block in [*blocks, self._counters] if self._counters else blocks:
-            block.release()

@@ -90,7 +90,7 @@ class _Cost:
 
 
 class Bench:
-    """Renders cells one after another.
+    """Renders cells one after another; a context manager.
 
     Parameters
     ----------
@@ -104,6 +104,19 @@ class Bench:
         self.device = Device()
         self.watch = Stopwatch()
         self._stage: _Stage | None = None
+
+    def __enter__(self) -> Bench:
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self.leave_scene()
+        self.device.release()
+
+    def leave_scene(self) -> None:
+        """Free the scene that is kept for further cells."""
+        if self._stage is not None:
+            stage, self._stage = self._stage, None
+            stage.uploaded.release()
 
     def run(self, cell: Cell, path_traced: bool = True) -> Record:
         """Render and score one cell; an error that belongs to the cell becomes its reason.
@@ -178,9 +191,7 @@ class Bench:
         stage = self._stage
         if stage is not None and (stage.label, stage.size, stage.ssaa) == wanted:
             return stage
-        if stage is not None:
-            self._stage = None
-            stage.uploaded.release()
+        self.leave_scene()
         with self.watch.running("rendering"), ExitStack() as stack:
             scene = self.collection.build_scene(cell.scene)
             uploaded = stack.enter_context(UploadedScene(self.device, scene))

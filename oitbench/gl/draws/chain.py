@@ -127,7 +127,7 @@ class Chain(Owner):
         textures = {alias: self.textures[name] for alias, name in aliases.items()}
         named = replace(blueprint, targets=self._named(aliases))
         compiled = compile_pass(self._device, self._geometry, named, step, textures, batch)
-        self._steps.append(self.own(CompiledStep(step, ((compiled,),))))
+        self._steps.append(CompiledStep(step, ((self.own(compiled),),)))
         self._links.append(_Link(label, step, aliases, taps or {}))
         if batch is not None:
             self._orders[batch] = self._geometry.in_submission_order(batch)

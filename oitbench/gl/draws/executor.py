@@ -39,12 +39,6 @@ class CompiledStep:
         """The passes of the first round."""
         return self.rounds[0]
 
-    def release(self) -> None:
-        """Free the objects of all passes."""
-        for passes in self.rounds:
-            for item in passes:
-                item.release()
-
 
 def _no_counts() -> dict[Access, int]:
     return {}

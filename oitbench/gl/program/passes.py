@@ -13,6 +13,7 @@ from oitbench.errors import CapabilityError, DeclarationError
 from oitbench.gl.capabilities import FETCH, SPIN_LOCK
 from oitbench.gl.device import Device
 from oitbench.gl.geometry import VERTEX, VERTEX_FORMAT, Geometry
+from oitbench.gl.ownership import Owner
 from oitbench.gl.program import accessors, prelude
 from oitbench.gl.program.bindings import VIEW_BINDING, Bindings
 from oitbench.gl.program.shading_inputs import UNLIT, Sampled, ShadingInputs
@@ -65,8 +66,8 @@ class Blueprint:
     mechanism: str = FETCH
 
 
-class CompiledPass:
-    """A pass that can be drawn. `begin` sets all of its state, and trusts none to be left over.
+class CompiledPass(Owner):
+    """A pass that can be drawn. `begin` sets all of its state; the device owns its program.
 
     Attributes
     ----------
@@ -95,9 +96,9 @@ class CompiledPass:
         blocks: Mapping[int, moderngl.Buffer],
         subsample: int,
     ) -> None:
-        self.step, self.draws, self.framebuffer, self.subsample = (
-            step, draws, framebuffer, subsample,
-        )  # fmt: skip
+        super().__init__()
+        self.step, self.draws, self.subsample = step, draws, subsample
+        self.framebuffer = self.own(framebuffer)
         self.clears: list[tuple[moderngl.Framebuffer, Format, tuple[float, ...]]] = []
         self._device, self._program, self._vertices = device, program, vertices
         self._samplers, self._images, self._blocks = samplers, images, blocks
@@ -138,14 +139,15 @@ class CompiledPass:
                 index_buffer=indices,
                 skip_errors=True,
             )
-            self._arrays[indices.glo] = array
+            self._arrays[indices.glo] = self.own(array)
         array.render(moderngl.TRIANGLES, vertices=3 * count, first=3 * first)
         self._end()
 
     def draw_screen(self) -> None:
         """Draw one triangle over the frame."""
         if 0 not in self._arrays:
-            self._arrays[0] = self._device.context.vertex_array(self._program, [])
+            array = self._device.context.vertex_array(self._program, [])
+            self._arrays[0] = self.own(array)
         self._arrays[0].render(moderngl.TRIANGLES, vertices=3)
         self._end()
 
@@ -154,13 +156,9 @@ class CompiledPass:
         if self._images:
             self._device.context.memory_barrier()
 
-    def release(self) -> None:
-        """Free the pass's own objects; the device keeps the program for the next frame."""
-        for array in self._arrays.values():
-            array.release()
-        self.framebuffer.release()
-        for framebuffer, _, _ in self.clears:
-            framebuffer.release()
+    def add_clear(self, framebuffer: moderngl.Framebuffer, target: Target) -> None:
+        """Clear a target, the one attachment of `framebuffer`, before each draw."""
+        self.clears.append((self.own(framebuffer), target.texel, target.clear))
 
 
 def compile_pass(
@@ -219,10 +217,10 @@ def compile_pass(
         device, step, draws, program, framebuffer, used, images, geometry.vertices, writes_depth,
         blueprint.shading.blocks, subsample_of(step, blueprint.targets),
     )  # fmt: skip
-    for name in step.clears:
-        target = blueprint.targets[name]
-        place = attach(device, textures[name], target.texel)
-        compiled.clears.append((place, target.texel, target.clear))
+    with compiled.building():
+        for name in step.clears:
+            target = blueprint.targets[name]
+            compiled.add_clear(attach(device, textures[name], target.texel), target)
     return compiled
 
 

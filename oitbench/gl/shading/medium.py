@@ -7,7 +7,7 @@ import numpy as np
 
 from oitbench.gl.device import Device
 from oitbench.gl.ownership import Owner
-from oitbench.scene import Medium
+from oitbench.scene import Array, Medium
 
 _VACUUM = Medium(extinction=0.0, low=(0.0, 0.0, 0.0), high=(1.0, 1.0, 1.0))
 
@@ -36,17 +36,22 @@ class UploadedMedium(Owner):
             [*medium.high, medium.anisotropy],
             [*medium.albedo, medium.collimation],
         ]
-        self.block = self.own(device.context.buffer(np.array(rows, dtype=np.float32).tobytes()))
         self.density: moderngl.Texture3D | None = None
-        if medium.density is not None:
-            cells = np.ascontiguousarray(medium.density, dtype=np.float32)
-            depth, height, width = cells.shape
-            size = (width, height, depth)
-            self.density = self.own(device.context.texture3d(size, 1, cells, dtype="f4"))
-            self.density.filter = (moderngl.LINEAR, moderngl.LINEAR)
-            self.density.repeat_x = self.density.repeat_y = self.density.repeat_z = False
+        with self.building():
+            self.block = self.own(device.context.buffer(np.array(rows, dtype=np.float32).tobytes()))
+            if medium.density is not None:
+                self.density = self.own(_upload_density(device, medium.density))
 
     @property
     def macros(self) -> str:
         """Facts about the medium that shaders need at compile time."""
         return "#define DENSITY 1" if self.density is not None else ""
+
+
+def _upload_density(device: Device, density: Array) -> moderngl.Texture3D:
+    cells = np.ascontiguousarray(density, dtype=np.float32)
+    depth, height, width = cells.shape
+    texture = device.context.texture3d((width, height, depth), 1, cells, dtype="f4")
+    texture.filter = (moderngl.LINEAR, moderngl.LINEAR)
+    texture.repeat_x = texture.repeat_y = texture.repeat_z = False
+    return texture

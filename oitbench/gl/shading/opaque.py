@@ -73,8 +73,9 @@ class OpaquePicture(Owner):
         sizes = dict.fromkeys(targets, color.size)
         blueprint = Blueprint("opaque", effects=effects, shading=shading, samples=samples)
         with self.building():
-            chains = [Chain(device, geometry, targets, sizes, view, textures) for _ in range(2)]
-            self._surfaces, self._sky = map(self.own, chains)
+            self._surfaces, self._sky = (
+                self.own(Chain(device, geometry, targets, sizes, view, textures)) for _ in range(2)
+            )
             self._surfaces.add(_OPAQUE, blueprint, batch=geometry.opaque)
             if occludes(scene, effects):
                 self._surfaces.add(_INTERIOR, blueprint, batch=geometry.cutouts)

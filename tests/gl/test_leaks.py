@@ -1,0 +1,121 @@
+"""No object stays on the device when a cell raises, wherever it raises."""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from oitbench.errors import OitbenchError
+from oitbench.gl.device import Device
+from oitbench.matrix.bench import Bench
+from oitbench.matrix.cell import Cell
+from oitbench.plugins import Collection
+from tests.plugins import misbehaving
+
+KINDS = ("Buffer", "Framebuffer", "Program", "Query", "Sampler", "Shader", "Texture", "VertexArray")
+NAMES = 1024
+CREATORS = (
+    "buffer", "depth_texture", "framebuffer", "texture", "texture3d", "texture_array",
+    "vertex_array",
+)  # fmt: skip
+CELLS = 50
+# Shadows, occlusion, a medium, lists, and targets of two resolutions.
+VICTIMS = (
+    ("smoke_and_glass[detail=0.02]", "phenomenological[subsample=4]"),
+    ("foliage[detail=0.05]", "a_buffer"),
+    ("light_shafts[detail=0.1]", "depth_peeling[layers=2]"),
+)
+
+
+class OutOfMemoryError(OitbenchError):
+    """The error that is injected."""
+
+
+def live_objects() -> dict[str, int]:
+    """Return the number of live objects of each kind in the current context."""
+    library = ctypes.CDLL("libGL.so.1")
+    found = {}
+    for kind in KINDS:
+        exists = getattr(library, f"glIs{kind}")
+        exists.restype, exists.argtypes = ctypes.c_ubyte, (ctypes.c_uint,)
+        found[kind] = sum(exists(name) for name in range(1, NAMES))
+    return found
+
+
+def difference(after: dict[str, int], before: dict[str, int]) -> dict[str, int]:
+    """Return the kinds of which there are more objects than before, and how many."""
+    return {kind: after[kind] - before[kind] for kind in KINDS if after[kind] > before[kind]}
+
+
+@contextmanager
+def failing(device: Device, call: int) -> Iterator[list[str]]:
+    """Raise at the given creation of an object; yield the names of all creators called."""
+    calls: list[str] = []
+    originals: dict[str, Callable[..., Any]] = {n: getattr(device.context, n) for n in CREATORS}
+
+    def counted(name: str) -> Callable[..., Any]:
+        def create(*arguments: Any, **options: Any) -> Any:
+            calls.append(name)
+            if len(calls) - 1 == call:
+                raise OutOfMemoryError(f"no memory for {name} {call}")
+            return originals[name](*arguments, **options)
+
+        return create
+
+    try:
+        for name in CREATORS:
+            setattr(device.context, name, counted(name))
+        yield calls
+    finally:
+        for name in CREATORS:
+            delattr(device.context, name)
+
+
+@pytest.fixture
+def bench(tmp_path: Path) -> Iterator[Bench]:
+    collection = Collection.load([misbehaving(tmp_path / "plugins")])
+    with Bench(collection, tmp_path / "out") as bench:
+        yield bench
+
+
+def attempt(bench: Bench, cell: Cell, call: int) -> tuple[str, int]:
+    """Run a cell; return its status and the number of objects that it tried to create."""
+    with failing(bench.device, call) as calls:
+        record = bench.run(cell, path_traced=False)
+    bench.leave_scene()
+    return record.status, len(calls)
+
+
+def test_nothing_is_left_wherever_a_cell_fails(bench: Bench) -> None:
+    cells = [Cell(scene, method, (16, 16), 1, permutations=1) for scene, method in VICTIMS]
+    whole = [attempt(bench, cell, -1) for cell in cells]
+    assert [status for status, _ in whole] == ["ok"] * len(cells)
+    before = live_objects()
+    for number in range(CELLS):
+        cell, (_, created) = cells[number % len(cells)], whole[number % len(cells)]
+        call = number // len(cells) * created // (CELLS // len(cells) + 1)
+        status, _ = attempt(bench, cell, call)
+        assert status == "failed", f"{cell.method} survived without object {call}"
+        lost = difference(live_objects(), before)
+        assert not lost, f"{cell.method} lost {lost} when object {call} failed"
+
+
+def test_nothing_is_left_of_methods_that_fail(bench: Bench) -> None:
+    cells = [Cell("calm", method, (8, 8), 1) for method in ("broken", "demanding", "unstable")]
+    cells += [Cell(scene, "alpha_blend", (8, 8), 1) for scene in ("raiser", "poisoned")]
+    expected = ["failed", "failed", "unstable", "failed", "failed"]
+    assert [bench.run(cell, False).status for cell in cells] == expected
+    bench.leave_scene()
+    before = live_objects()
+    for _ in range(CELLS // len(cells)):
+        for cell in cells:
+            bench.run(cell, False)
+            bench.leave_scene()
+            # moderngl itself keeps the program of a failed compilation.
+            lost = difference(live_objects(), before).keys() - {"Program", "Shader"}
+            assert not lost, cell
