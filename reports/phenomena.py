@@ -116,7 +116,7 @@ def _pair(context: ReportContext, panel: Panel, cell: Record) -> list[Figure]:
     error = plates.error_text(context, cell, PATH_TRACED)
     rows = ((TRUTHS[PATH_TRACED], truth), (", ".join([cell.method, *error]), image))
     height = _WIDTH * panel.size[1] / panel.size[0]
-    whole = 2 * plates.MARGIN + _WIDTH, 2 * (plates.MARGIN + _LABEL + height)
+    whole = 2 * plates.MARGIN + _WIDTH, 3 * plates.MARGIN + 2 * (_LABEL + height)
     with figures.canvas(*whole, by_hand=True) as canvas:
         top = plates.MARGIN
         for label, picture in rows:

@@ -225,12 +225,14 @@ def _draw_tile(canvas: Canvas, layout: _Layout, place: int, shown: Shown) -> Non
     for image, edge in ((picture, upper), (colored, lower)):
         if image is not None:
             draw_picture(canvas, image, left, edge, _PICTURE)
-    below = lower + layout.picture_height + 0.04 if colored is not None else lower + 0.02
-    reason = tile.note if picture is None or not tile.values else ""
+    lines = [*tile.values, textwrap.fill(tile.note, _LABEL_WIDTH)]
+    below = upper if picture is None else lower
+    if colored is not None:
+        # There is no room for the note, which the page shows.
+        lines, below = [*tile.values], lower + layout.picture_height
     texts = (
         (_heading(tile.label), upper - 0.04, "bottom", 7.5),
-        (textwrap.fill(reason, _LABEL_WIDTH), upper + 0.04 if picture is None else lower, "top", 7),
-        ("\n".join(tile.values), below, "top", 7),
+        ("\n".join(lines), below + 0.04, "top", 7),
     )
     for text, edge, anchor, size in texts:
         canvas.text(

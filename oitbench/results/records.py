@@ -47,7 +47,7 @@ class Ablation:
 class Panel:
     """The cells that share an axis: one scene at one size with one set of effects.
 
-    A cell that leaves effects out of one of `cells` is among the `ablations`, in no other panel.
+    A cell that leaves effects out of one of `cells` is one of `ablations`, and in no other panel.
     """
 
     scene: str
