@@ -1,315 +1,227 @@
-"""What each effect costs and gains: every picture against the same without one of its effects.
+"""Every picture against the same picture with one effect left out.
 
-Cost is what leaving the effect out saves: in frame time, in memory, in traffic, shading such as
-shadow maps included. Gain is by how much the effect brings the picture nearer to the path-traced
-one; within the noise floor of that one it is a tie.
+The cost of an effect is the frame time, memory and traffic that leaving it out saves, including
+shared shading such as shadow maps. Its gain is the increase of the path-traced error when it is
+left out. A gain within the noise floor of the path-traced reference is a tie.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
-from pathlib import Path
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from oitbench.effects import Effect, names
-from oitbench.report import Artifact, Column, Figure, Note, figures, labels, palette, write_table
-from oitbench.report.artifacts import Value
-from oitbench.results import records as read
-from oitbench.results.records import MEBIBYTE, MEGABYTE, PATH_TRACED, Ablation, Panel, Results
-from oitbench.results.store import Record
+from oitbench.report import (
+    Artifact,
+    Column,
+    Figure,
+    Note,
+    ReportContext,
+    columns,
+    figures,
+    labels,
+    palette,
+    write_table,
+)
+from oitbench.report.artifacts import Row
+from oitbench.report.cells import effect_label, effect_labels, most_complete
+from oitbench.report.effect_costs import EffectCost, SavedTime, effect_costs
+from oitbench.results.records import Panel
+from oitbench.results.schema import PATH_TRACED
+from oitbench.results.table import MEBIBYTE, MEGABYTE
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-title = "What each effect costs and gains"
+title = "Cost and gain of each effect"
 order = 35
 
-_RESAMPLES = 1000
 _COLUMNS_OF_AXES = 3
-# Inches of one scene's axes with their labels.
+# Inches of the axes of one scene with their labels.
 _WIDTH, _HEIGHT = 3.13, 2.9
-# Room beside the outermost marks for their labels, as a share of what they span.
+# Room for labels beside the outermost marks, relative to the range of the marks.
 _ROOM = 0.35
-
-Span = tuple[float, float, float]
-"""A value and the two ends of its 95 % interval."""
 
 
 @dataclass(frozen=True)
-class Effected:
-    """What one effect costs and gains with one method in one scene; None is not known.
+class Mark:
+    """The mark of an effect; `chosen` marks are filled and have a name."""
 
-    Parameters
-    ----------
-    ablation : Ablation
-    label : str
-        The effect's name, or several.
-    milliseconds : (float, float, float), optional
-        Frame time that leaving it out saves, with its 95 % interval.
-    memory, traffic : float, optional
-        Bytes that leaving it out saves.
-    gain, floor : float, optional
-        In error against the path-traced picture, and the noise floor of that one.
-    """
-
-    ablation: Ablation
-    label: str
-    milliseconds: Span | None
-    memory: float | None
-    traffic: float | None
-    gain: float | None
-    floor: float | None
+    cost: EffectCost
+    time: SavedTime
+    gain: float
+    color: str
+    chosen: bool = False
 
     @property
-    def verdict(self) -> str:
-        """Whether the picture is nearer to the path-traced one with the effect."""
-        if self.gain is None:
-            return ""
-        if abs(self.gain) <= (self.floor or 0.0):
-            return "tie"
-        return "better" if self.gain > 0 else "worse"
+    def place(self) -> tuple[float, float]:
+        """Cost in milliseconds, and gain."""
+        return self.time.median, self.gain
 
 
-def build(results: Results, out: Path) -> list[Artifact]:
+def build(context: ReportContext) -> list[Artifact]:
     """Draw gain against cost, and list both."""
-    found = [(panel, effects_of(panel, results.flip)) for panel in results.panels()]
-    rows = [row for panel, effects in found for row in _rows(panel, effects, results.flip)]
+    flip = context.flip
+    costs = [(panel, list(effect_costs(panel, flip))) for panel in context.results.panels()]
+    rows = [row for panel, found in costs for row in _rows(panel, found, flip)]
     if not rows:
-        return [Note("No effect was left out of a picture; 'oitbench run --effects each' does it.")]
-    drawn: list[Artifact] = []
-    shown = [(p, kept) for p, effects in found if (kept := [e for e in effects if _point(e)])]
-    if shown:
-        drawn.append(_figure(results, shown, out))
-    else:
-        drawn.append(Note("No effect has both a cost in time and a gain yet."))
-    return [*drawn, _table(rows, results.flip, out)]
+        return [
+            Note("No cell leaves an effect out; 'oitbench run --effects each' adds such cells.")
+        ]
+    marks = [(panel, shown) for panel, found in costs if (shown := _marks(found, flip))]
+    drawn: Artifact = Note("No effect has both a cost in frame time and a gain yet.")
+    if marks:
+        drawn = _figure(context, marks)
+    return [drawn, _table(context, rows)]
 
 
-def effects_of(panel: Panel, flip: str) -> list[Effected]:
-    """Return what is known of every effect that was left out of a finished cell."""
-    return [
-        _effected(ablation, flip)
-        for ablation in panel.ablations
-        if {ablation.complete["status"], ablation.without["status"]} <= read.FINISHED
+def _marks(costs: Sequence[EffectCost], flip: str) -> list[Mark]:
+    """Return the effects with a cost in time and a gain, those of the chosen method last."""
+    colors = palette.colors(map(effect_label, names(~Effect.NONE)))
+    marks = [
+        Mark(cost, cost.time, cost.gain, colors.get(cost.effect, figures.QUIET))
+        for cost in costs
+        if cost.time is not None and cost.gain is not None
     ]
+    chosen = most_complete((mark.cost.ablation.complete for mark in marks), flip)
+    marks = [replace(mark, chosen=mark.cost.ablation.complete is chosen) for mark in marks]
+    return sorted(marks, key=lambda mark: mark.chosen)
 
 
-def _effected(ablation: Ablation, flip: str) -> Effected:
-    complete, without = ablation.complete, ablation.without
-    memory, traffic = (
-        _difference(*(read.shaded_total(cell, account) for cell in (complete, without)))
-        for account in ("memory", "traffic")
-    )
-    gain = _difference(*(read.metric(cell, PATH_TRACED, flip) for cell in (without, complete)))
-    label, floor = ", ".join(ablation.named), read.noise_floor(complete, flip)
-    return Effected(ablation, label, saved_time(complete, without), memory, traffic, gain, floor)
-
-
-def _difference(minuend: float | None, subtrahend: float | None) -> float | None:
-    return None if minuend is None or subtrahend is None else minuend - subtrahend
-
-
-def saved_time(complete: Record, without: Record, seed: int = 1) -> Span | None:
-    """Return the difference of both median frame times in milliseconds, with its interval.
-
-    The interval is the bootstrap's from all samples. Where a record tells no samples, the
-    medians' own intervals are added in quadrature, as those of independent errors are.
-    """
-    one, other = read.frame_time(complete), read.frame_time(without)
-    if one is None or other is None:
-        return None
-    saved = one[0] - other[0]
-    samples = [
-        np.asarray(cell["time"]["frame_ms"].get("samples") or ()) for cell in (complete, without)
-    ]
-    if all(len(values) for values in samples):
-        generator = np.random.default_rng(seed)
-        chosen = [generator.choice(values, (_RESAMPLES, len(values))) for values in samples]
-        medians = [np.median(values, axis=1) for values in chosen]
-        low, high = np.percentile(medians[0] - medians[1], [2.5, 97.5])
-        return saved, min(float(low), saved), max(float(high), saved)
-    below = math.hypot(one[0] - one[1], other[2] - other[0])
-    above = math.hypot(one[2] - one[0], other[0] - other[1])
-    return saved, saved - below, saved + above
-
-
-def _point(effect: Effected) -> tuple[float, float] | None:
-    """Return (cost in milliseconds, gain), or None."""
-    if effect.milliseconds is None or effect.gain is None:
-        return None
-    return effect.milliseconds[0], effect.gain
-
-
-# -- figure ------------------------------------------------------------------------------------
-
-
-def _figure(results: Results, shown: Sequence[tuple[Panel, list[Effected]]], out: Path) -> Figure:
-    columns = min(_COLUMNS_OF_AXES, len(shown))
-    lines = math.ceil(len(shown) / columns)
-    chosen = {panel.slug: _labelled(effects, results.flip) for panel, effects in shown}
-    with figures.canvas(_WIDTH * columns, _HEIGHT * lines) as figure:
-        grid = figure.subplots(lines, columns, squeeze=False)
-        places = list(grid.flat)
-        for axes in places[len(shown) :]:
+def _figure(context: ReportContext, marks: Sequence[tuple[Panel, Sequence[Mark]]]) -> Figure:
+    across = min(_COLUMNS_OF_AXES, len(marks))
+    down = math.ceil(len(marks) / across)
+    with figures.canvas(_WIDTH * across, _HEIGHT * down) as figure:
+        grid = list(figure.subplots(down, across, squeeze=False).flat)
+        for axes in grid[len(marks) :]:
             axes.remove()
-        for axes, (panel, effects) in zip(places, shown, strict=False):
-            _draw(axes, panel, effects, chosen[panel.slug])
-            axes.set_xlabel("cost, ms a frame")
-            axes.set_ylabel(f"gain in {results.flip}")
-        for axes, (panel, effects) in zip(places, shown, strict=False):
-            _write_labels(axes, effects, chosen[panel.slug])
-        methods = ", ".join(dict.fromkeys(chosen.values()))
+        for axes, (panel, shown) in zip(grid, marks, strict=False):
+            _draw(axes, shown)
+            axes.set_title(panel.title)
+            axes.set_xlabel("cost, ms per frame")
+            axes.set_ylabel(f"gain in {context.flip}")
+        # Labels need the final layout.
+        for axes, (_, shown) in zip(grid, marks, strict=False):
+            _add_labels(axes, shown)
+        chosen = (mark.cost.method for _, shown in marks for mark in shown if mark.chosen)
+        floors = [mark.cost.noise_floor for _, shown in marks for mark in shown]
+        ties = "Shaded: ties, within the noise floor. " if any(floors) else ""
+        methods = ", ".join(dict.fromkeys(chosen))
         caption = (
-            "Each mark is one effect: right, it costs frame time (bars: 95 % interval); up, it "
-            "brings the picture nearer to the path-traced one. Shaded: ties, within its noise. "
-            f"Filled and named: the method that misses the fewest of a scene's effects "
-            f"({methods}); hollow: other methods."
+            "Each mark is one effect. Cost: the frame time in ms that leaving the effect out saves,"
+            f" with its bootstrap 95 % interval. Gain: the increase of the mean {context.flip} "
+            "against path tracing when the effect is left out; above zero, the picture is better "
+            f"with the effect. {ties}Filled marks with names: the method that misses the fewest "
+            f"effects of a scene ({methods}); hollow marks: the other methods."
         )
         return figures.save(
-            figure, out / "ablation", title="Gain in accuracy against cost", caption=caption
+            figure, context.out / "ablation", title="Gain and cost", caption=caption
         )
 
 
-def _labelled(effects: Sequence[Effected], flip: str) -> str:
-    """Return the method whose marks are named."""
-    chosen = read.fullest((effect.ablation.complete for effect in effects), flip)
-    return "" if chosen is None else str(chosen["method"])
-
-
-def _method(effect: Effected) -> str:
-    return str(effect.ablation.complete["method"])
-
-
-def _colors() -> dict[str, str]:
-    """Return the color of every effect, the same whichever a run leaves out."""
-    known = [read.effect_label(name) for name in names(~Effect.NONE)]
-    return {
-        name: style.color
-        for name, style in palette.styles(dict(zip(known, known, strict=True))).items()
-    }
-
-
-def _draw(axes: Axes, panel: Panel, effects: Sequence[Effected], chosen: str) -> None:
-    axes.set_title(panel.title)
+def _draw(axes: Axes, marks: Sequence[Mark]) -> None:
     axes.grid(True, axis="both")
-    colors = _colors()
-    for effect in effects:
-        point, span = _point(effect), effect.milliseconds
-        if point is None or span is None:
-            continue
-        color, filled = colors.get(effect.label, figures.QUIET), _method(effect) == chosen
-        axes.errorbar(
-            *point,
-            xerr=[[span[0] - span[1]], [span[2] - span[0]]] if filled else None,
-            marker="o",
-            markersize=7 if filled else 5,
-            color=color,
-            markerfacecolor=color if filled else "none",
-            markeredgecolor="white" if filled else color,
-            markeredgewidth=0.6 if filled else 0.9,
-            elinewidth=1,
-            capsize=2,
-            zorder=4 if filled else 3,
-        )
-    _draw_ties(axes, max((effect.floor or 0.0 for effect in effects), default=0.0))
-    _limit(axes, effects)
-
-
-def _draw_ties(axes: Axes, floor: float) -> None:
     axes.axhline(0, color=figures.QUIET, linewidth=0.8, zorder=1.5)
     axes.axvline(0, color=figures.QUIET, linewidth=0.8, zorder=1.5)
-    if floor:
-        axes.axhspan(-floor, floor, color="#000000", alpha=0.07, linewidth=0)
-        axes.annotate(
-            f"shaded: ties, within {floor:.2g}",
-            (1, 0),
-            xycoords="axes fraction",
-            xytext=(-3, 3),
-            textcoords="offset points",
-            fontsize=7,
-            color=figures.QUIET,
-            horizontalalignment="right",
+    for mark in marks:
+        figures.add_mark(
+            axes,
+            mark.place,
+            (mark.time.low, mark.time.high) if mark.chosen else None,
+            marker="o",
+            size=7 if mark.chosen else 5,
+            color=mark.color,
+            fill=mark.color if mark.chosen else "none",
+            edge="white" if mark.chosen else mark.color,
+            edge_width=0.6 if mark.chosen else 0.9,
         )
+    floor = max(mark.cost.noise_floor or 0.0 for mark in marks)
+    if floor:
+        text = f"shaded: ties, within {floor:.2g}"
+        figures.add_band(axes, -floor, floor, text, at_top=False)
+    _set_limits(axes, marks)
 
 
-def _limit(axes: Axes, effects: Sequence[Effected]) -> None:
-    """Show all marks and zero, with room for labels."""
-    gains = [point[1] for effect in effects if (point := _point(effect))]
-    ends = [end for effect in effects if effect.milliseconds for end in effect.milliseconds]
+def _set_limits(axes: Axes, marks: Sequence[Mark]) -> None:
+    """Include all marks and zero, with room for labels."""
+    ends = [end for mark in marks for end in mark.time]
+    gains = [mark.gain for mark in marks]
     left, right = min(0.0, *ends), max(0.0, *ends)
     bottom, top = min(0.0, *gains), max(0.0, *gains)
-    wide, tall = right - left or 1.0, top - bottom or 1.0
-    axes.set_xlim(left - _ROOM / 2 * wide, right + _ROOM * wide)
-    axes.set_ylim(bottom - _ROOM * tall, top + _ROOM / 2 * tall)
+    width, height = right - left or 1.0, top - bottom or 1.0
+    axes.set_xlim(left - _ROOM / 2 * width, right + _ROOM * width)
+    axes.set_ylim(bottom - _ROOM * height, top + _ROOM / 2 * height)
 
 
-def _write_labels(axes: Axes, effects: Sequence[Effected], chosen: str) -> None:
-    colors = _colors()
+def _add_labels(axes: Axes, marks: Sequence[Mark]) -> None:
     written = [
         labels.Label(
-            *point,
-            effect.label,
-            palette.ink(colors.get(effect.label, figures.QUIET)),
-            *effect.milliseconds[1:],
-            bold=effect.verdict != "tie",
+            *mark.place,
+            mark.cost.effect,
+            palette.ink(mark.color),
+            mark.time.low,
+            mark.time.high,
+            bold=mark.cost.verdict != "tie",
         )
-        for effect in effects
-        if _method(effect) == chosen and effect.milliseconds and (point := _point(effect))
+        for mark in marks
+        if mark.chosen
     ]
-    others = [
-        point for effect in effects if _method(effect) != chosen and (point := _point(effect))
-    ]
-    labels.place(axes, written, lines=[((x, x), (y, y)) for x, y in others])
+    # A line without length keeps labels away from a hollow mark.
+    others = [((mark.time.median,) * 2, (mark.gain,) * 2) for mark in marks if not mark.chosen]
+    labels.place(axes, written, lines=others)
 
 
-# -- table -------------------------------------------------------------------------------------
-
-
-def _rows(panel: Panel, effects: Sequence[Effected], flip: str) -> Iterator[tuple[Value, ...]]:
-    for effect in effects:
-        complete, without = effect.ablation.complete, effect.ablation.without
+def _rows(panel: Panel, costs: Sequence[EffectCost], flip: str) -> Iterator[Row]:
+    for cost in costs:
+        ablation = cost.ablation
         yield (
             panel.title,
-            complete["method"],
-            effect.label,
-            ", ".join(effect.ablation.implied),
-            *(effect.milliseconds or (None, None, None)),
-            None if effect.memory is None else effect.memory / MEBIBYTE,
-            None if effect.traffic is None else effect.traffic / MEGABYTE,
-            read.metric(complete, PATH_TRACED, flip),
-            read.metric(without, PATH_TRACED, flip),
-            effect.gain,
-            effect.floor,
-            effect.verdict,
+            cost.method,
+            cost.effect,
+            effect_labels(ablation.implied),
+            *(cost.time or (None, None, None)),
+            cost.memory / MEBIBYTE,
+            cost.traffic / MEGABYTE,
+            ablation.complete.metric(PATH_TRACED, flip),
+            ablation.reduced.metric(PATH_TRACED, flip),
+            cost.gain,
+            cost.noise_floor,
+            cost.verdict,
         )
 
 
-def _table(rows: Sequence[tuple[Value, ...]], flip: str, out: Path) -> Artifact:
-    columns = (
-        Column("scene", "Scene", kind="text"),
-        Column("method", "Method", kind="method"),
+def _table(context: ReportContext, rows: Sequence[Row]) -> Artifact:
+    flip = context.flip
+    traced = f"mean {flip} against path tracing"
+    heading = (
+        columns.SCENE,
+        columns.METHOD,
         Column("left_out", "Left out", kind="text"),
-        Column("with_it", "with it", kind="text", help="means nothing without it, so it goes too"),
+        Column("also_left_out", "Also left out", kind="text", help="depends on the effect"),
         Column("saved_ms", "Saves", "ms", help="difference of the median frame times"),
-        Column("saved_ms_low", "low", "ms", help="lower end of its 95 % interval"),
-        Column("saved_ms_high", "high", "ms", help="upper end of its 95 % interval"),
-        Column("saved_mib", "Memory", "MiB", help="that it saves, shading included"),
-        Column("saved_mb", "Traffic", "MB", help="that it saves, shading included; 10^6 bytes"),
-        Column(f"with.{flip}", "FLIP with", decimals=4, help=f"{flip} to path traced"),
-        Column(f"without.{flip}", "without", decimals=4, help=f"{flip} to path traced"),
-        Column(f"gain.{flip}", "Gain", decimals=4, help="above zero: better with the effect"),
-        Column(f"noise_floor.{flip}", "noise floor", decimals=4, help="gains below it are ties"),
-        Column("verdict", "With it", kind="text"),
+        Column("saved_ms_low", "Low", "ms", help="lower end of its bootstrap 95 % interval"),
+        Column("saved_ms_high", "High", "ms", help="upper end of its bootstrap 95 % interval"),
+        Column("saved_mib", "Memory", "MiB", help="saved memory, shared shading included"),
+        Column(
+            "saved_mb", "Traffic", "MB", help="saved bytes per frame, 10^6; with shared shading"
+        ),
+        Column(f"with.{flip}", "FLIP with", decimals=4, help=f"{traced}, with the effect"),
+        Column(f"without.{flip}", "FLIP without", decimals=4, help=f"{traced}, without the effect"),
+        Column(f"gain.{flip}", "Gain", decimals=4, help="FLIP without the effect minus FLIP with"),
+        columns.noise_floor(flip),
+        Column("verdict", "With the effect", kind="text"),
     )
     caption = (
-        "What leaving one effect out saves, and what the effect gains in error against the "
-        "path-traced picture. A saving below zero is a cost; small ones are the timer's noise, as "
-        "their intervals tell."
+        "Savings in frame time, memory and traffic when one effect is left out, and the gain in "
+        f"{flip} against path tracing that the effect brings. Negative savings are costs; small "
+        "differences in time are noise, as their intervals show."
     )
     return write_table(
-        out / "ablation.csv", columns, rows, title="Costs and gains by effect", caption=caption
+        context.out / "ablation.csv",
+        heading,
+        rows,
+        title="Cost and gain by effect",
+        caption=caption,
     )

@@ -1,168 +1,176 @@
-"""Where it pays to express more: path-traced FLIP of methods that show all and of those that miss.
+"""Path-traced error of the methods that express all effects of a scene and of those that miss some.
 
-Only scenes count that call for colored transmission, refraction, diffusion or colored shadows. A
-difference below the noise floor of the path-traced picture is a tie.
+Only scenes appear that request colored transmission, refraction, diffusion or colored shadows.
+Differences within the noise floor of the path-traced reference are ties.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 
-from oitbench.report import Artifact, Column, Note, fixed, write_table
-from oitbench.report.artifacts import Value
-from oitbench.results import records as read
-from oitbench.results.records import PATH_TRACED, Panel, Results
-from oitbench.results.store import Record
+from oitbench.report import Artifact, Column, Note, ReportContext, columns, fixed, write_table
+from oitbench.report.artifacts import Row
+from oitbench.report.cells import effect_labels, largest_noise_floor
+from oitbench.results.records import Panel
+from oitbench.results.schema import PATH_TRACED, Record
 
-title = "Where expressing more effects pays"
+title = "Benefit of expressing more effects"
 order = 25
 
-_PHENOMENA = frozenset({"COLORED_TRANSMISSION", "REFRACTION", "DIFFUSION", "COLORED_SHADOWS"})
-_EVERYTHING = "expresses all"
+_PHENOMENA = ("COLORED_TRANSMISSION", "REFRACTION", "DIFFUSION", "COLORED_SHADOWS")
 
 
 @dataclass(frozen=True)
-class Finding:
-    """The best method that misses the fewest effects against the best of all others.
+class Scored:
+    """A cell with its path-traced error."""
+
+    cell: Record
+    error: float
+
+    @property
+    def misses(self) -> str:
+        """The missing effects in words."""
+        missing = self.cell.missing_effects
+        return f"misses {effect_labels(missing)}" if missing else "expresses all"
+
+    @property
+    def text(self) -> str:
+        """Error, method and missing effects in words."""
+        return f"{fixed(self.error, 4)} for {self.cell.method} ({self.misses})"
+
+
+@dataclass(frozen=True)
+class Payoff:
+    """The best of the methods that miss the fewest effects against the best of the others.
 
     Parameters
     ----------
     scene : str
-    more, less : Record
-        The two.
-    gain, floor : float
-        By how much the first has less error, and the noise floor of the path-traced picture.
+    more, less : Scored
+        The method that expresses more effects, and the other one.
+    noise_floor : float
+        Of the path-traced reference.
     """
 
     scene: str
-    more: Record
-    less: Record
-    gain: float
-    floor: float
+    more: Scored
+    less: Scored
+    noise_floor: float
+
+    @property
+    def gain(self) -> float:
+        """Difference of the errors; positive if expressing more effects is better."""
+        return self.less.error - self.more.error
 
     @property
     def tied(self) -> bool:
-        """Whether both differ by less than the noise floor."""
-        return abs(self.gain) <= self.floor
+        """Whether the errors differ by no more than the noise floor."""
+        return abs(self.gain) <= self.noise_floor
+
+    @property
+    def sentence(self) -> str:
+        """Comparison of both in words."""
+        verdict = "lower" if self.gain > 0 else "no lower"
+        result = f"{verdict} error with more effects"
+        if self.tied:
+            result = f"a tie within the noise floor of {fixed(self.noise_floor, 4)}"
+        return f"{self.scene}: {result}: {self.more.text}, {self.less.text}."
 
 
-def build(results: Results, out: Path) -> list[Artifact]:
-    """Write the table of all such scenes, and say of each scene whether it pays."""
-    rows: list[tuple[Value, ...]] = []
-    findings: list[Finding] = []
-    for panel in results.panels():
-        cells = _scored(panel, results.flip)
-        called = {effect for cell in cells for effect in read.called_effects(cell)}
-        if called & _PHENOMENA:
-            rows += _rows(panel, cells, results.flip)
-            finding = find(panel.title, cells, results.flip)
-            findings += [] if finding is None else [finding]
+def build(context: ReportContext) -> list[Artifact]:
+    """Write a table of all such scenes, and compare the best methods of each scene."""
+    rows: list[Row] = []
+    found: list[Payoff] = []
+    for panel in context.results.panels():
+        scored = _scored(panel, context.flip)
+        requested = {name for item in scored for name in item.cell.requested_effects}
+        if not requested.isdisjoint(_PHENOMENA):
+            floor = largest_noise_floor(panel.finished, context.flip)
+            rows += _rows(panel, scored, floor)
+            payoff = payoff_of(panel.title, scored, floor or 0.0)
+            found += [] if payoff is None else [payoff]
     if not rows:
-        phenomena = ", ".join(sorted(map(read.effect_label, _PHENOMENA)))
-        return [Note(f"No cell with a path-traced error calls for any of {phenomena}.")]
-    told = [Note(_sentence(finding, results.flip)) for finding in findings]
-    return [_table(rows, results.flip, out), *_summary(findings, results.flip), *told]
+        return [
+            Note(
+                "No cell with a path-traced error requests any of these effects: "
+                f"{effect_labels(_PHENOMENA)}."
+            )
+        ]
+    notes = [_summary(found, context.flip), *(payoff.sentence for payoff in found)]
+    return [_table(context, rows), *map(Note, notes)]
 
 
-def find(scene: str, cells: Sequence[Record], flip: str) -> Finding | None:
-    """Hold those cells that miss the fewest effects against all others.
+def payoff_of(scene: str, scored: Sequence[Scored], noise_floor: float) -> Payoff | None:
+    """Compare the cells that miss the fewest effects with all others.
 
     Parameters
     ----------
     scene : str
-    cells : sequence of Record
-        With a path-traced error each; at least one.
-    flip : str
-        The metric.
+    scored : sequence of Scored
+        At least one, lowest error first.
+    noise_floor : float
 
     Returns
     -------
-    Finding or None
-        None if all miss the same number.
+    Payoff or None
+        None if all cells miss the same number of effects.
     """
-    fewest = min(len(read.missing_effects(cell)) for cell in cells)
-    full = [cell for cell in cells if len(read.missing_effects(cell)) == fewest]
-    rest = [cell for cell in cells if cell not in full]
-    if not rest:
-        return None
-    more, less = (min(group, key=lambda cell: _error(cell, flip)) for group in (full, rest))
-    floor = read.largest_floor(cells, flip) or 0.0
-    return Finding(scene, more, less, _error(less, flip) - _error(more, flip), floor)
+    counts = [len(item.cell.missing_effects) for item in scored]
+    fewest = min(counts)
+    more = next(item for item, count in zip(scored, counts, strict=True) if count == fewest)
+    for item, count in zip(scored, counts, strict=True):
+        if count > fewest:
+            return Payoff(scene, more, item, noise_floor)
+    return None
 
 
-def _summary(findings: Sequence[Finding], flip: str) -> list[Note]:
-    """Say in which scenes it does not pay."""
-    if not findings:
-        return [Note("All methods miss the same number of effects, which decides nothing.")]
+def _summary(payoffs: Sequence[Payoff], flip: str) -> str:
+    """Return a sentence about the scenes in which expressing more effects is no better."""
+    if not payoffs:
+        return "All methods miss the same number of effects, so there is nothing to compare."
     lost = [
-        f"{finding.scene} (tied)" if finding.tied else finding.scene
-        for finding in findings
-        if finding.gain <= 0
+        f"{payoff.scene} (tied)" if payoff.tied else payoff.scene
+        for payoff in payoffs
+        if payoff.gain <= 0
     ]
     if not lost:
-        return [Note(f"Methods that express more effects have the lower {flip} in every scene.")]
-    return [
-        Note(
-            f"Methods that express more effects do not have the lower {flip} in {', '.join(lost)}."
-        )
-    ]
+        return f"Methods that express more effects have the lower {flip} in every scene."
+    return f"Methods that express more effects do not have the lower {flip} in {', '.join(lost)}."
 
 
-def _sentence(finding: Finding, flip: str) -> str:
-    verdict = "expressing more pays" if finding.gain > 0 else "expressing more does not pay"
-    if finding.tied:
-        verdict = f"a tie within the noise floor of {fixed(finding.floor, 4)}"
-    errors = [fixed(_error(cell, flip), 4) for cell in (finding.more, finding.less)]
-    return (
-        f"{finding.scene}: {verdict}: {errors[0]} by {finding.more['method']}"
-        f" ({_missing(finding.more)}), {errors[1]} by {finding.less['method']}"
-        f" ({_missing(finding.less)})."
-    )
+def _scored(panel: Panel, flip: str) -> list[Scored]:
+    """Return the cells that have a path-traced error, lowest error first."""
+    errors = [(cell, cell.metric(PATH_TRACED, flip)) for cell in panel.finished]
+    known = [Scored(cell, error) for cell, error in errors if error is not None]
+    return sorted(known, key=lambda item: item.error)
 
 
-def _scored(panel: Panel, flip: str) -> list[Record]:
-    """Return the cells that have a path-traced error, least first."""
-    known = [cell for cell in panel.finished if read.metric(cell, PATH_TRACED, flip) is not None]
-    return sorted(known, key=lambda cell: _error(cell, flip))
+def _rows(panel: Panel, scored: Sequence[Scored], floor: float | None) -> Iterator[Row]:
+    for item in scored:
+        tied = item.error - scored[0].error <= (floor or 0.0)
+        mark = "best" if item is scored[0] else "tied with the best" if tied else ""
+        yield panel.title, item.cell.method, item.misses, item.error, floor, mark
 
 
-def _error(cell: Record, flip: str) -> float:
-    return read.metric(cell, PATH_TRACED, flip) or 0.0
-
-
-def _missing(cell: Record) -> str:
-    """Return what a method misses, in words."""
-    missing = read.missing_effects(cell)
-    return f"misses {', '.join(map(read.effect_label, missing))}" if missing else _EVERYTHING
-
-
-def _rows(panel: Panel, cells: Sequence[Record], flip: str) -> list[tuple[Value, ...]]:
-    floor = read.largest_floor(cells, flip)
-    best = _error(cells[0], flip)
-    rows: list[tuple[Value, ...]] = []
-    for cell in cells:
-        error = _error(cell, flip)
-        tied = error - best <= (floor or 0.0)
-        mark = "best" if cell is cells[0] else "tied with the best" if tied else ""
-        rows.append((panel.title, cell["method"], _missing(cell), error, floor, mark))
-    return rows
-
-
-def _table(rows: Sequence[tuple[Value, ...]], flip: str, out: Path) -> Artifact:
-    columns = (
-        Column("scene", "Scene", kind="text"),
-        Column("method", "Method", kind="method"),
-        Column("effects", "Effects", kind="text", help="of those that the scene calls for"),
-        Column(f"path_traced.{flip}", "FLIP traced", decimals=4, help=f"{flip} to path traced"),
-        Column(f"noise_floor.{flip}", "noise floor", decimals=4, help="between two halves of it"),
+def _table(context: ReportContext, rows: Sequence[Row]) -> Artifact:
+    flip = context.flip
+    heading = (
+        columns.SCENE,
+        columns.METHOD,
+        Column("effects", "Effects", kind="text", help="of the effects that the scene requests"),
+        columns.path_traced_error(flip),
+        columns.noise_floor(flip),
         Column("mark", "Best", kind="text"),
     )
     caption = (
-        "Methods of each scene by error against the path-traced picture, least first. Beneath, for "
-        "each scene: the best of those that miss the fewest effects against the best of the others."
+        f"Methods of each scene by mean {flip} against path tracing, lowest first. Below, for each "
+        "scene: the best of the methods that miss the fewest effects, and the best of the others."
     )
     return write_table(
-        out / "payoff.csv", columns, rows, title="Path-traced error by effects", caption=caption
+        context.out / "payoff.csv",
+        heading,
+        rows,
+        title="Path-traced error by effects",
+        caption=caption,
     )

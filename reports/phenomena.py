@@ -1,18 +1,17 @@
-"""Phenomena of transparency: what methods make of them, beside the path-traced picture.
+"""The picture of every method beside the path-traced one, for the phenomena of transparency.
 
-The maps show FLIP against the path-traced picture on the magma scale from 0 (black) to 1.
+Only scenes appear that request more effects than coverage. The maps show FLIP against path tracing,
+from 0 (black) to 1 (pale yellow).
 """
 
 from __future__ import annotations
 
-from pathlib import Path
+from collections.abc import Sequence
 
-from oitbench.image.files import Image
-from oitbench.report import Artifact, Figure, Note, Tile, figures, fixed, plates
-from oitbench.report.plates import Shown
-from oitbench.results import records as read
-from oitbench.results.records import PATH_TRACED, TRUTHS, Panel, Results
-from oitbench.results.store import Record
+from oitbench.report import Artifact, Figure, Note, ReportContext, figures, plates
+from oitbench.report.cells import effect_label, effect_labels, most_complete
+from oitbench.results.records import Panel
+from oitbench.results.schema import PATH_TRACED, TRUTHS, Record
 
 title = "Phenomena"
 order = 32
@@ -23,123 +22,101 @@ _WIDTH = 9.24
 _LABEL = 0.24
 
 
-def build(results: Results, out: Path) -> list[Artifact]:
-    """Draw the plates of every scene that calls for more than coverage."""
+def build(context: ReportContext) -> list[Artifact]:
+    """Draw the plates of every scene that requests more than coverage."""
     drawn: list[Artifact] = []
-    for panel in results.panels():
-        if _called(panel) - {_COVERAGE}:
-            drawn += _plates(results, panel, out)
-    return drawn or [Note("No scene of this run calls for more than coverage.")]
+    for panel in context.results.panels():
+        if {name for cell in panel.finished for name in cell.requested_effects} - {_COVERAGE}:
+            drawn += _plates(context, panel)
+    return drawn or [Note("No finished cell requests an effect besides coverage.")]
 
 
-def _called(panel: Panel) -> set[str]:
-    return {effect for cell in panel.finished for effect in read.called_effects(cell)}
-
-
-def _plates(results: Results, panel: Panel, out: Path) -> list[Artifact]:
-    truth = plates.first_image(results, panel.finished, PATH_TRACED)
-    drawn: list[Artifact] = [_methods(results, panel, truth, out)]
+def _plates(context: ReportContext, panel: Panel) -> list[Artifact]:
+    drawn: list[Artifact] = [_methods(context, panel)]
     diffusing = [
         cell
         for cell in panel.finished
-        if _DIFFUSION in read.called_effects(cell) and _DIFFUSION not in read.missing_effects(cell)
+        if _DIFFUSION in cell.requested_effects and _DIFFUSION not in cell.missing_effects
     ]
-    chosen = read.fullest(diffusing, results.flip)
-    if chosen is not None and truth is not None:
-        drawn += _pair(results, panel, truth, chosen, out)
-    varied = [ablation.complete for ablation in panel.ablations]
-    chosen = read.fullest((c for c in varied if c["status"] in read.FINISHED), results.flip)
+    chosen = most_complete(diffusing, context.flip)
     if chosen is not None:
-        drawn.append(_variants(results, panel, chosen, truth, out))
+        drawn += _pair(context, panel, chosen)
+    reduced = [item.complete for item in panel.ablations if item.complete.finished]
+    chosen = most_complete(reduced, context.flip)
+    if chosen is not None:
+        drawn.append(_ablations(context, panel, chosen))
     return drawn
 
 
-def _methods(results: Results, panel: Panel, truth: Image | None, out: Path) -> Artifact:
-    """Return the plate of all methods, under all effects that the scene calls for."""
-    folder = out / "phenomena" / panel.slug
-    shown = [_truth(results, panel, truth, folder)]
+def _methods(context: ReportContext, panel: Panel) -> Artifact:
+    """Return the plate of all methods, with all effects that the scene requests."""
+    folder = context.out / "phenomena" / panel.slug
+    shown = [plates.show_truth(context, panel, PATH_TRACED, folder)]
     for cell in panel.finished:
-        called, missing = read.called_effects(cell), read.missing_effects(cell)
-        told = f"misses {len(missing)} of {len(called)} effects" if missing else "all effects"
-        shown.append(_cell(results, cell, cell["method"], (told,), truth, folder))
-    effects = ", ".join(
-        read.effect_label(effect) for effect in read.called_effects(panel.finished[0])
-    )
+        requested, missing = len(cell.requested_effects), len(cell.missing_effects)
+        text = f"misses {missing} of {requested} effects" if missing else "all effects"
+        values = (*plates.error_text(context, cell, PATH_TRACED), text)
+        shown.append(plates.show_cell(context, cell, PATH_TRACED, folder, values=values))
     caption = (
-        f"The scene calls for {effects}. Beneath each picture its {results.flip} against the "
-        "path-traced one, from 0 (black) to 1 (pale yellow), and the mean."
+        f"Effects that the scene requests: {effect_labels(panel.finished[0].requested_effects)}. "
+        f"{_reading(context)}"
     )
-    path = out / f"phenomena-{panel.slug}"
-    return plates.grid(results, panel, shown, path, title=panel.title, caption=caption)
+    path = context.out / f"phenomena-{panel.slug}"
+    return plates.grid(context, panel, shown, path, title=panel.title, caption=caption)
 
 
-def _variants(
-    results: Results, panel: Panel, complete: Record, truth: Image | None, out: Path
-) -> Artifact:
+def _ablations(context: ReportContext, panel: Panel, complete: Record) -> Artifact:
     """Return the plate of one method with effects left out."""
-    folder = out / "phenomena" / f"{panel.slug}-variants"
-    shown = [
-        _truth(results, panel, truth, folder),
-        _cell(results, complete, "all effects", (), truth, folder),
-    ]
-    gone = []
+    folder = context.out / "phenomena" / f"{panel.slug}-ablation"
+    shown = [plates.show_truth(context, panel, PATH_TRACED, folder)]
+    cells = {"all effects": complete}
+    dependent: list[str] = []
     for ablation in panel.ablations:
         if ablation.complete is complete:
-            label = f"without {', '.join(ablation.named)}"
-            shown.append(_cell(results, ablation.without, label, (), truth, folder))
+            named = effect_labels(ablation.named)
+            cells[f"without {named}"] = ablation.reduced
             if ablation.implied:
-                implied = " and ".join(ablation.implied)
-                gone.append(f"{label.capitalize()}, {implied} would mean nothing: left out too.")
-    caption = " ".join(
-        [
-            f"{complete['method']} with effects left out. Beneath each picture its {results.flip}"
-            " against the path-traced one, and the mean.",
-            *gone,
-        ]
-    )
+                implied = _joined(ablation.implied)
+                dependent.append(f"Leaving out {named} also leaves out {implied}.")
+    for label, cell in cells.items():
+        values = plates.error_text(context, cell, PATH_TRACED)
+        shown.append(
+            plates.show_cell(context, cell, PATH_TRACED, folder, values=values, label=label)
+        )
+    caption = f"{complete.method} with effects left out. {_reading(context)}"
     return plates.grid(
-        results,
+        context,
         panel,
         shown,
-        out / f"phenomena-{panel.slug}-variants",
-        title=f"{panel.title}: one effect less",
-        caption=caption,
+        context.out / f"phenomena-{panel.slug}-ablation",
+        title=f"{panel.title}: effects left out",
+        caption=" ".join([caption, *dependent]),
     )
 
 
-def _truth(results: Results, panel: Panel, truth: Image | None, folder: Path) -> Shown:
-    note = "" if truth is not None else plates.why_no_truth(panel.cells)
-    values = plates.noise(results, panel.finished)
-    tile = Tile(TRUTHS[PATH_TRACED], None, None, values, note, truth=True)
-    return plates.show(results, tile, truth, None, plates.exposure(panel.finished), folder)
+def _reading(context: ReportContext) -> str:
+    """Return the part of a caption that explains maps and numbers."""
+    return (
+        f"Lower picture: map of {context.flip} against path tracing, from 0 (black) to 1 (pale "
+        f"yellow). Number: mean {context.flip}."
+    )
 
 
-def _cell(
-    results: Results,
-    cell: Record,
-    label: str,
-    told: tuple[str, ...],
-    truth: Image | None,
-    folder: Path,
-) -> Shown:
-    value = read.metric(cell, PATH_TRACED, results.flip)
-    values = () if value is None else (f"{fixed(value, 4)} to path traced",)
-    tile = Tile(label, None, None, (*values, *told), plates.note(cell))
-    image = results.image(cell, "color") if cell["status"] in read.FINISHED else None
-    return plates.show(results, tile, image, truth, plates.exposure([cell]), folder)
+def _joined(names: Sequence[str]) -> str:
+    return " and ".join(map(effect_label, names))
 
 
-def _pair(results: Results, panel: Panel, truth: Image, cell: Record, out: Path) -> list[Figure]:
-    """Return the path-traced picture above that of a method that shows diffusion, both large."""
-    image = results.image(cell, "color")
-    if image is None:
+def _pair(context: ReportContext, panel: Panel, cell: Record) -> list[Figure]:
+    """Return the large path-traced picture above that of a method that expresses diffusion."""
+    truth = plates.first_image(context, panel, PATH_TRACED)
+    image = context.results.image(cell, "color")
+    if truth is None or image is None:
         return []
     stops = plates.exposure([cell])
-    value = read.metric(cell, PATH_TRACED, results.flip)
-    error = "" if value is None else f", {results.flip} {fixed(value, 4)}"
-    rows = ((TRUTHS[PATH_TRACED], truth), (f"{cell['method']}{error}", image))
+    error = plates.error_text(context, cell, PATH_TRACED)
+    rows = ((TRUTHS[PATH_TRACED], truth), (", ".join([cell.method, *error]), image))
     height = _WIDTH * panel.size[1] / panel.size[0]
-    whole = 2 * plates.MARGIN + _WIDTH, 2 * (plates.MARGIN + _LABEL + height)
+    whole = 2 * plates.MARGIN + _WIDTH, 3 * plates.MARGIN + 2 * (_LABEL + height)
     with figures.canvas(*whole, by_hand=True) as canvas:
         top = plates.MARGIN
         for label, picture in rows:
@@ -155,9 +132,10 @@ def _pair(results: Results, panel: Panel, truth: Image, cell: Record, out: Path)
             top += _LABEL + height + plates.MARGIN
         figure = figures.save(
             canvas,
-            out / f"phenomena-{panel.slug}-diffusion",
+            context.out / f"phenomena-{panel.slug}-diffusion",
             title=f"{panel.title}: diffusion",
-            caption=f"Above: path traced. Below: {cell['method']}, of the methods that spread "
-            "light the one that misses the fewest effects.",
+            caption=f"Upper picture: path traced. Lower picture: {cell.method}, which misses the "
+            f"fewest effects of all methods that express diffusion. Number: mean {context.flip} "
+            "against path tracing.",
         )
     return [figure]

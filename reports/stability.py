@@ -1,16 +1,15 @@
-"""What methods promise and survive: identities that must hold, and hard cases with right answers.
+"""Identities that must hold, and hard cases with known correct answers.
 
-Needs the findings of `oitbench stability`, in the results folder or its folder `stability`.
+The findings are those that 'oitbench stability' wrote to the folder of the results or to its folder
+'stability'.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from pathlib import Path
+from collections.abc import Mapping, Sequence
 
-from oitbench.report import Artifact, Column, Note, decimal, write_table
-from oitbench.report.artifacts import Value
-from oitbench.results.records import Results
+from oitbench.report import Artifact, Column, Note, ReportContext, decimal, write_table
+from oitbench.report.artifacts import Row
 from oitbench.stability import files
 from oitbench.stability.finding import BREAKS, DOES_NOT_APPLY, HOLDS, Finding
 
@@ -18,50 +17,69 @@ title = "Stability"
 order = 60
 
 _WORDS = {HOLDS: "✓", DOES_NOT_APPLY: "–"}
+_COLUMNS = (
+    Column("method", "Method", kind="text"),
+    Column("check", "Check", kind="text"),
+    Column("sentence", "Requirement", kind="text"),
+    Column("result", "Result", kind="text"),
+    Column("promised", "Promised", kind="text"),
+    Column("error", "Error", help="largest in any pixel, or of the mean"),
+    Column("allowed", "Allowed", help="largest error with which the check holds"),
+    Column("in_mean", "In the mean", kind="text", help="the mean of random pixels is checked"),
+    Column("unstable_pixels", "Unstable", "px", help="NaN, infinite or negative pixels"),
+    Column("reason", "Reason", kind="text"),
+)
 
 
-def build(results: Results, out: Path) -> list[Artifact]:
+def build(context: ReportContext) -> list[Artifact]:
     """Write a table of identities, one of hard cases, and one of every finding."""
-    places = (results.folder / "stability", results.folder)
-    found = [place / files.JSON for place in places if (place / files.JSON).is_file()]
-    if not found:
-        told = results.folder / "stability"
-        return [Note(f"Not run yet: oitbench stability --out {told} adds it.")]
-    findings = files.read(found[0])
+    folder = context.results.folder
+    places = (folder / "stability" / files.JSON, folder / files.JSON)
+    path = next((place for place in places if place.is_file()), None)
+    if path is None:
+        return [Note(f"Not run yet; 'oitbench stability --out {places[0].parent}' adds it.")]
+    findings = files.read(path)
     by_method = files.by_method(findings)
     return [
         _matrix(
-            by_method,
-            out / "stability-identities.csv",
+            context,
+            "stability-identities.csv",
             "Identities",
-            "✓ holds within the rounding of the method's formats, a number is the error where it "
-            "breaks, ! marks a broken promise, – does not apply.",
-            identity=True,
+            {method: [f for f in own if f.identity] for method, own in by_method.items()},
+            "✓: holds within the rounding of the method's formats. A number: the error of a check "
+            "that does not hold. !: the method promises the identity. –: does not apply.",
         ),
         _matrix(
-            by_method,
-            out / "stability-cases.csv",
+            context,
+            "stability-cases.csv",
             "Hard cases",
-            "✓ is within one step of an 8-bit display of the right answer; a number is the error. "
-            "No method promises these.",
-            identity=False,
+            {method: [f for f in own if not f.identity] for method, own in by_method.items()},
+            "✓: within one step of an 8-bit display of the correct answer. A number: the error of "
+            "a check that does not hold. Methods promise no hard cases.",
         ),
-        _list(findings, out),
+        _list(context, findings),
     ]
 
 
 def _matrix(
-    by_method: dict[str, list[Finding]], path: Path, name: str, caption: str, *, identity: bool
+    context: ReportContext,
+    file: str,
+    name: str,
+    findings: Mapping[str, Sequence[Finding]],
+    caption: str,
 ) -> Artifact:
-    rows: list[tuple[Value, ...]] = []
+    """Return a table with one row per method and one column per check."""
+    rows: list[Row] = []
     columns: tuple[Column, ...] = ()
-    for method, own in by_method.items():
-        chosen = [finding for finding in own if finding.identity == identity]
-        columns = tuple(Column(f.check, f.check, kind="text", help=f.sentence) for f in chosen)
-        faults = "; ".join(files.told_faults(chosen))
-        rows.append((method, *map(_mark, chosen), faults))
-    heading = (Column("method", "Method", kind="text"), *columns, Column("faults", "Faults"))
-    return write_table(path, heading, rows, title=name, caption=caption)
+    for method, own in findings.items():
+        columns = tuple(Column(f.check, f.check, kind="text", help=f.sentence) for f in own)
+        rows.append((method, *map(_mark, own), "; ".join(files.told_faults(own))))
+    heading = (
+        Column("method", "Method", kind="text"),
+        *columns,
+        Column("faults", "Faults", kind="text"),
+    )
+    return write_table(context.out / file, heading, rows, title=name, caption=caption)
 
 
 def _mark(finding: Finding) -> str:
@@ -71,35 +89,27 @@ def _mark(finding: Finding) -> str:
     return f"{error}!" if finding.failed else error
 
 
-def _list(findings: Sequence[Finding], out: Path) -> Artifact:
-    columns = (
-        Column("method", "Method", kind="text"),
-        Column("check", "Check", kind="text"),
-        Column("sentence", "What must hold", kind="text"),
-        Column("result", "Result", kind="text"),
-        Column("promised", "Promised", kind="text"),
-        Column("error", "Error"),
-        Column("allowed", "allowed"),
-        Column("in_mean", "In the mean", kind="text"),
-        Column("unstable_pixels", "NaN, inf, negative"),
-        Column("reason", "Reason", kind="text"),
-    )
+def _list(context: ReportContext, findings: Sequence[Finding]) -> Artifact:
     rows = [
         (
-            f.method,
-            f.check,
-            f.sentence,
-            f.result,
-            "yes" if f.promised else "",
-            f.error,
-            f.allowed,
-            "yes" if f.in_mean else "",
-            f.nan + f.inf + f.negative,
-            f.reason,
+            finding.method,
+            finding.check,
+            finding.sentence,
+            finding.result,
+            "yes" if finding.promised else "",
+            finding.error,
+            finding.allowed,
+            "yes" if finding.in_mean else "",
+            finding.nan + finding.inf + finding.negative,
+            finding.reason,
         )
-        for f in findings
+        for finding in findings
     ]
-    caption = "Every check of every variant; errors are the largest in any pixel, or of the mean."
     return write_table(
-        out / "stability.csv", columns, rows, title="All findings", caption=caption, collapsed=True
+        context.out / "stability.csv",
+        _COLUMNS,
+        rows,
+        title="All findings",
+        caption="Every check of every method.",
+        collapsed=True,
     )

@@ -1,53 +1,57 @@
-"""Every cell with what it cost, how far it is from both truths, and what it could not do.
+"""All cells with cost, errors against both truths, and missing effects.
 
-Rank: within a scene, cells whose path-traced FLIP differs by less than the noise floor are tied.
+Ranks compare the cells of one scene by path-traced FLIP. Cells that differ from the best cell of a
+rank by no more than the noise floor share that rank.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from pathlib import Path
+from collections.abc import Mapping, Sequence
 
 from oitbench.image import metrics
-from oitbench.report import Artifact, Column, Note, write_table
-from oitbench.report.artifacts import Value
-from oitbench.results import records as read
-from oitbench.results.records import EXACT, PATH_TRACED, Panel, Results
-from oitbench.results.store import Record
+from oitbench.report import Artifact, Column, ReportContext, columns, write_table
+from oitbench.report.artifacts import Row
+from oitbench.report.cells import effect_labels, largest_noise_floor
+from oitbench.results.records import Panel
+from oitbench.results.schema import EXACT, PATH_TRACED, Record
+from oitbench.results.table import flat
 
 title = "All results"
 order = 20
 
 
-def build(results: Results, out: Path) -> list[Artifact]:
+def build(context: ReportContext) -> list[Artifact]:
     """Write one table of all cells."""
-    panels = results.panels()
-    if not panels:
-        return [Note("There is no cell yet.")]
-    rows = []
-    for panel in panels:
-        ranks = _ranks(panel, results.flip)
-        rows += [_row(results, panel, cell, ranks) for cell in panel.cells]
+    heading = _columns(context.flip)
+    rows: list[Row] = []
+    for panel in context.results.panels():
+        ranks = _ranks(panel, context.flip)
+        rows += [_row(heading, panel, cell, rank=ranks.get(cell.method)) for cell in panel.cells]
         for ablation in panel.ablations:
-            rows.append(_row(results, panel, ablation.without, {}, ", ".join(ablation.named)))
+            left_out = effect_labels(ablation.named)
+            rows.append(_row(heading, panel, ablation.reduced, left_out=left_out))
+    if not rows:
+        return []
     caption = (
-        "Click a heading to sort. Unstable cells hold pixels that are NaN, infinite or negative; "
-        "no metric is given where a pixel is not finite. Equal ranks are ties: those cells differ "
-        "by less than the noise floor of the path-traced reference. Without a rank are cells that "
-        "leave effects out."
+        "Click on a heading to sort. The status is unstable if pixels are NaN, infinite or "
+        "negative; there are no metrics if a pixel is not finite. Equal ranks, marked with =, are "
+        "ties: the errors differ by no more than the noise floor of the path-traced reference. "
+        "Cells with effects left out have no rank."
     )
     return [
-        write_table(
-            out / "table.csv", _columns(results.flip), rows, title="All cells", caption=caption
-        )
+        write_table(context.out / "table.csv", heading, rows, title="All cells", caption=caption)
     ]
 
 
-def ties(errors: Sequence[tuple[str, float]], floor: float) -> dict[str, str]:
-    """Rank by error; "2=" marks those that share a rank, within `floor` of its best."""
+def ties(errors: Mapping[str, float], floor: float) -> dict[str, str]:
+    """Rank names by error, lowest first.
+
+    Names whose errors exceed the lowest error of a rank by no more than `floor` share that rank,
+    which is then marked as in "2=".
+    """
     groups: list[list[str]] = []
     best = 0.0
-    for name, error in sorted(errors, key=lambda item: item[1]):
+    for name, error in sorted(errors.items(), key=lambda item: item[1]):
         if groups and error - best <= floor:
             groups[-1].append(name)
         else:
@@ -63,92 +67,70 @@ def ties(errors: Sequence[tuple[str, float]], floor: float) -> dict[str, str]:
 
 
 def _ranks(panel: Panel, metric: str) -> dict[str, str]:
-    errors = []
-    floors = [0.0]
-    for cell in panel.finished:
-        value = read.metric(cell, PATH_TRACED, metric)
-        if value is not None:
-            errors.append((cell["method"], value))
-            floors.append(read.noise_floor(cell, metric) or 0.0)
-    return ties(errors, max(floors))
+    values = {cell.method: cell.metric(PATH_TRACED, metric) for cell in panel.finished}
+    errors = {method: value for method, value in values.items() if value is not None}
+    return ties(errors, largest_noise_floor(panel.finished, metric) or 0.0)
+
+
+def _row(
+    heading: Sequence[Column],
+    panel: Panel,
+    cell: Record,
+    *,
+    rank: str | None = None,
+    left_out: str = "",
+) -> Row:
+    values = flat(cell) | {
+        "scene": panel.title,
+        "left_out": left_out,
+        "path_traced.rank": rank,
+        "missing_effects": effect_labels(cell.missing_effects),
+    }
+    if not cell.finished:
+        values["unstable_pixels"] = None
+    return tuple(values[column.key] for column in heading)
 
 
 def _columns(flip: str) -> tuple[Column, ...]:
-    rank_help = "place within the scene by path-traced FLIP; = marks ties within the noise floor"
-    spread_help = "of a channel between random orders of the draws, linear; 0 is order independent"
     return (
-        Column("scene", "Scene", kind="text"),
-        Column("method", "Method", kind="method"),
-        Column("left_out", "Left out", kind="text", help="effects that the scene calls for"),
+        columns.SCENE,
+        columns.METHOD,
+        Column("left_out", "Left out", kind="text", help="requested effects that are left out"),
         Column("status", "Status", kind="status"),
-        Column(f"exact.{flip}", "FLIP exact", decimals=4, help=f"{flip} against exact compositing"),
+        _error(flip, "FLIP exact", 4, "mean against exact compositing"),
+        columns.path_traced_error(flip),
+        columns.noise_floor(flip),
         Column(
-            f"path_traced.{flip}", "FLIP traced", decimals=4, help=f"{flip} against the path tracer"
+            "path_traced.rank",
+            "Rank",
+            kind="rank",
+            help="in the scene by path-traced FLIP; = marks ties within the noise floor",
         ),
-        Column(f"noise_floor.{flip}", "noise floor", decimals=4, help="between two halves of it"),
-        Column("path_traced.rank", "Rank", kind="rank", help=rank_help),
-        Column(
-            f"exact.{metrics.SSIM}",
-            "SSIM",
-            decimals=4,
-            help=f"{metrics.SSIM} against exact; 1 is equal",
-        ),
-        Column(f"exact.{metrics.RMSE}", "RMSE", decimals=5, help=f"{metrics.RMSE} against exact"),
-        Column(
-            f"exact.{metrics.TRANSMITTANCE}",
-            "T error",
-            decimals=5,
-            help="RMSE of the total transmittance",
-        ),
-        Column(
-            f"exact.{metrics.ORDER_SPREAD_MAX}",
+        _error(metrics.SSIM, "SSIM", 4, "SSIM against exact compositing; 1 if equal"),
+        _error(metrics.RMSE, "RMSE", 5, "linear RMSE against exact compositing"),
+        _error(metrics.TRANSMITTANCE, "T error", 5, "RMSE of the total transmittance"),
+        _error(
+            metrics.ORDER_SPREAD_MAX,
             "Order spread",
-            decimals=5,
-            help=f"largest difference {spread_help}",
+            5,
+            "largest linear difference between random orders of the draws; 0: order independent",
         ),
-        Column(
-            f"exact.{metrics.ORDER_SPREAD_MEAN}",
-            "mean spread",
-            decimals=5,
-            help=f"mean difference {spread_help}",
+        _error(
+            metrics.ORDER_SPREAD_MEAN,
+            "Mean spread",
+            5,
+            "mean linear difference between random orders of the draws",
         ),
-        Column("frame_ms", "Frame", "ms", help="median frame time"),
-        Column("frame_ms_low", "low", "ms", help="lower end of the 95 % interval"),
-        Column("frame_ms_high", "high", "ms", help="upper end of the 95 % interval"),
-        Column("memory_mib", "Memory", "MiB"),
-        Column("traffic_mb", "Traffic", "MB", help="bytes read and written per frame, 10^6"),
-        Column("fragments", "Fragments"),
+        *columns.FRAME_TIME,
+        Column("memory_mib", "Memory", "MiB", help="2^20 bytes"),
+        Column("traffic_mb", "Traffic", "MB", help="bytes read and written per frame, 10^6 bytes"),
+        Column("fragments", "Fragments", help="transparent fragments per frame"),
         Column("unstable_pixels", "Unstable", "px", help="NaN, infinite or negative pixels"),
         Column("missing_effects", "Missing effects", kind="text"),
         Column("reason", "Reason", kind="text"),
     )
 
 
-def _row(
-    results: Results, panel: Panel, cell: Record, ranks: dict[str, str], left_out: str = ""
-) -> tuple[Value, ...]:
-    finished = cell["status"] in read.FINISHED
-    time = read.frame_time(cell) or (None, None, None)
-    fragments = cell.get("fragments")
-    return (
-        panel.title,
-        cell["method"],
-        left_out,
-        cell["status"],
-        read.metric(cell, EXACT, results.flip),
-        read.metric(cell, PATH_TRACED, results.flip),
-        read.noise_floor(cell, results.flip),
-        ranks.get(cell["method"]) if finished else None,
-        read.metric(cell, EXACT, metrics.SSIM),
-        read.metric(cell, EXACT, metrics.RMSE),
-        read.metric(cell, EXACT, metrics.TRANSMITTANCE),
-        read.metric(cell, EXACT, metrics.ORDER_SPREAD_MAX),
-        read.metric(cell, EXACT, metrics.ORDER_SPREAD_MEAN),
-        *time,
-        read.total(cell, "memory", read.MEBIBYTE),
-        read.total(cell, "traffic", read.MEGABYTE),
-        None if fragments is None else int(fragments),
-        read.unstable_pixels(cell) if finished else None,
-        ", ".join(read.missing_effects(cell)),
-        cell.get("reason") or "",
-    )
+def _error(metric: str, heading: str, decimals: int, text: str) -> Column:
+    """Return the column of a metric against exact compositing; the tooltip has its full name."""
+    return Column(f"{EXACT}.{metric}", heading, decimals=decimals, help=f"{metric}: {text}")

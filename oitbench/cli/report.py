@@ -1,4 +1,4 @@
-"""`oitbench report`: turn a results folder into figures, tables and one page."""
+"""`oitbench report`: write figures, tables and one page from a results folder."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ from oitbench.cli import options
     "-o",
     "--out",
     type=click.Path(file_okay=False, path_type=Path),
-    help="Folder of the report; RESULTS/report without.",
+    help="Folder of the report. Default: RESULTS/report.",
 )
 @click.option("--hdr", is_flag=True, help="Show HDR-FLIP instead of FLIP of the displayed image.")
 @options.collections
 def command(results: Path, out: Path | None, hdr: bool, collections: tuple[Path, ...]) -> None:
-    """Write the report of RESULTS: every figure as PNG and PDF, every table as CSV, one page."""
+    """Write figures (PNG, PDF) and tables (CSV) of RESULTS, and a page that shows them."""
     from oitbench.plugins import Collection
     from oitbench.report import write
 

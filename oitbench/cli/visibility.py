@@ -1,4 +1,4 @@
-"""`oitbench visibility`: the transmittance of each method at one pixel, by depth."""
+"""`oitbench visibility`: the visibility that each method gives each depth of one pixel."""
 
 from __future__ import annotations
 
@@ -27,16 +27,16 @@ def _read_pixel(ctx: click.Context, parameter: click.Parameter, value: str) -> t
     "--method",
     "methods",
     multiple=True,
-    help="NAME[param=v,w], or a folder of a method. Repeatable. Default: all, unchanged.",
+    help="NAME[param=v,w] or a method's folder. Repeatable. Default: all, with their defaults.",
 )
-@options.size("256x256", "Size of the frame in pixels.")
+@options.size("256x256", "Size of the frame that contains the pixel.")
 @click.option(
     "-o",
     "--out",
     type=click.Path(file_okay=False, path_type=Path),
     default=Path("results") / "visibility",
     show_default=True,
-    help="Folder for visibility.csv, .json, .png and .pdf.",
+    help="Folder of visibility.csv, .json, .png and .pdf.",
 )
 @options.collections
 def command(
@@ -47,7 +47,7 @@ def command(
     out: Path,
     collections: tuple[Path, ...],
 ) -> None:
-    """Measure the visibility curve of each method, and the exact one, at one pixel of SCENE."""
+    """Measure the visibility curves of exact compositing and of methods at one pixel of SCENE."""
     from oitbench.measure import visibility
     from oitbench.plugins import Collection
     from oitbench.report.visibility import write

@@ -115,24 +115,6 @@ def rmse(reference: npt.ArrayLike, test: npt.ArrayLike) -> float | None:
     return None if pair is None else _rmse(pair)
 
 
-def flip_map(
-    reference: npt.ArrayLike, test: npt.ArrayLike, exposure: float, *, hdr: bool = False
-) -> Image | None:
-    """Return one map of `compare` alone, shape (h, w), or None if a pixel is not finite.
-
-    Parameters
-    ----------
-    reference, test, exposure
-        As in `compare`.
-    hdr : bool
-        Return the map of HDR-FLIP.
-    """
-    pair = _pair(reference, test)
-    if pair is None:
-        return None
-    return _hdr_map(pair, exposure) if hdr else _ldr_map(_displayed(pair, exposure))
-
-
 def count_nonfinite(image: npt.ArrayLike) -> dict[str, int]:
     """Count the invalid pixels of an image.
 

@@ -1,4 +1,8 @@
-"""Reports: what a report file builds, helpers for figures of one look, and the page of them all."""
+"""Reports: the parts of a page, figures with one look, and the page that holds all reports.
+
+A report is a file with a `title`, a function `build` from a `ReportContext` to artifacts, and
+optionally a number `order`. Its docstring is the text of its section on the page.
+"""
 
 from __future__ import annotations
 
@@ -14,6 +18,7 @@ from oitbench.report.artifacts import (
     fixed,
     write_table,
 )
+from oitbench.report.context import ReportContext
 from oitbench.report.page import write
 
 __all__ = [
@@ -22,6 +27,7 @@ __all__ = [
     "Figure",
     "ImageGrid",
     "Note",
+    "ReportContext",
     "Table",
     "Tile",
     "decimal",

@@ -1,26 +1,29 @@
-"""What a report hands to the page: figures, tables, grids of pictures, and notes."""
+"""The parts of a report on the page: figures, tables, grids of pictures, and notes."""
 
 from __future__ import annotations
 
 import csv
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
+from oitbench.errors import UsageError
+
 Value = str | int | float | None
+Row = Sequence[Value]
 
 
 @dataclass(frozen=True)
 class Figure:
-    """A figure, once for the screen and once for print."""
+    """A figure as PNG for the screen and as PDF for print; `width` is in CSS pixels."""
 
     title: str
     caption: str
     png: Path
     pdf: Path
     width: int
-    """Width on the page in CSS pixels."""
 
 
 @dataclass(frozen=True)
@@ -30,17 +33,17 @@ class Column:
     Parameters
     ----------
     key : str
-        Heading in the CSV file; carries unit or metric name.
+        Heading in the CSV file; includes the unit or the name of the metric.
     title, unit : str
         Heading on the page.
     kind : str
-        `number`, `text`, `method` (with its color) or `status`.
+        `number`, `rank`, `text`, `method` (with its color) or `status`.
     digits : int
-        Significant digits on the page; the CSV file keeps all.
+        Significant digits on the page; the CSV file has all.
     decimals : int, optional
-        Digits after the point instead, for columns whose values are of one magnitude.
+        Digits after the point instead, for columns whose values have similar magnitudes.
     help : str
-        Shown when the pointer rests on the heading.
+        Tooltip of the heading.
     """
 
     key: str
@@ -64,18 +67,18 @@ class Column:
 
 @dataclass(frozen=True)
 class Table:
-    """A sortable table; `collapsed` ones wait behind a click."""
+    """A table that readers can sort and filter; a `collapsed` one opens with a click."""
 
     title: str
     caption: str
     csv: Path
     columns: tuple[Column, ...]
-    rows: tuple[tuple[Value, ...], ...]
+    rows: tuple[Row, ...]
     collapsed: bool = False
 
     @property
     def visible(self) -> list[int]:
-        """Places of the columns that hold anything; the page leaves out the others."""
+        """Indices of the columns that have a value; the page omits the others."""
         return [
             place
             for place in range(len(self.columns))
@@ -85,7 +88,20 @@ class Table:
 
 @dataclass(frozen=True)
 class Tile:
-    """One picture of a grid with its error map beneath; `note` stands in for what is missing."""
+    """A picture of a grid with its error map below.
+
+    Parameters
+    ----------
+    label : str
+    picture, error_map : Path, optional
+        PNG files.
+    values : tuple of str
+        Lines below the pictures.
+    note : str
+        Reason why there is no picture, or why its cell is not "ok".
+    truth : bool
+        Whether the picture is a truth, and not that of a method.
+    """
 
     label: str
     picture: Path | None
@@ -97,17 +113,15 @@ class Tile:
 
 @dataclass(frozen=True)
 class ImageGrid:
-    """Pictures side by side, and the same as a figure for print."""
+    """Pictures side by side, and the same as one figure for print."""
 
-    title: str
-    caption: str
     tiles: tuple[Tile, ...]
     figure: Figure
 
 
 @dataclass(frozen=True)
 class Note:
-    """A sentence where a figure or table would have been."""
+    """A sentence."""
 
     text: str
 
@@ -116,7 +130,7 @@ Artifact = Figure | Table | ImageGrid | Note
 
 
 def decimal(value: float, digits: int = 3) -> str:
-    """Return `value` with that many significant digits and no exponent while it is readable."""
+    """Return `value` with significant digits; values below 1e-5 get an exponent."""
     if isinstance(value, int) or value == 0:
         return f"{value:,.0f}"
     magnitude = math.floor(math.log10(abs(value)))
@@ -126,7 +140,10 @@ def decimal(value: float, digits: int = 3) -> str:
 
 
 def fixed(value: float, decimals: int) -> str:
-    """Return `value` with that many decimals; "0" means zero, and what is merely small says so."""
+    """Return `value` with a fixed number of decimals.
+
+    Only zero becomes "0"; a value that would be rounded to zero becomes, for example, "<0.001".
+    """
     if value == 0:
         return "0"
     least = 10.0**-decimals
@@ -135,20 +152,43 @@ def fixed(value: float, decimals: int) -> str:
     return f"{value:,.{decimals}f}"
 
 
+@contextmanager
+def writing_to(folder: Path) -> Iterator[None]:
+    """Create `folder`, and report a failure to write files inside the block.
+
+    Raises
+    ------
+    UsageError
+        If the folder or a file cannot be written.
+    """
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        yield
+    except OSError as error:
+        raise UsageError(
+            f"{folder} cannot be written to ({error.strerror}); give -o DIR"
+        ) from error
+
+
+def write_csv(path: Path, heading: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
+    """Write a CSV file in an existing folder; None becomes an empty field."""
+    with path.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file)
+        writer.writerow(heading)
+        writer.writerows(rows)
+
+
 def write_table(
     path: Path,
     columns: Sequence[Column],
-    rows: Iterable[Sequence[Value]],
+    rows: Iterable[Row],
     *,
     title: str,
     caption: str,
     collapsed: bool = False,
 ) -> Table:
-    """Write `rows` as CSV with all digits and return the table for the page."""
+    """Write `rows` as a CSV file with all digits, and return the table for the page."""
     kept = tuple(tuple(row) for row in rows)
     path.parent.mkdir(parents=True, exist_ok=True)
-    with path.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file)
-        writer.writerow([column.key for column in columns])
-        writer.writerows(kept)
+    write_csv(path, [column.key for column in columns], kept)
     return Table(title, caption, path, tuple(columns), kept, collapsed)

@@ -1,4 +1,4 @@
-"""Figures of one look: restrained, legible at printed size, as PNG and PDF."""
+"""Figures with one look, legible at printed size, as PNG and PDF."""
 
 from __future__ import annotations
 
@@ -14,23 +14,24 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure as Canvas
 
+WIDTH = 9.4
+"""Inches of a figure that fills the column of the page."""
 DOTS_PER_INCH = 180
 INK = "#222222"
 QUIET = "#6b6b6b"
-# Wider than printed, so that 9.4 inches fill the column.
 _CSS_PIXELS_PER_INCH = 118
 
 
 @contextmanager
 def canvas(width: float, height: float, *, by_hand: bool = False) -> Iterator[Canvas]:
-    """Yield an empty figure of that many inches; save it before the block ends.
+    """Yield an empty figure; save it before the block ends.
 
     Parameters
     ----------
     width, height : float
         Inches.
     by_hand : bool
-        The caller places all axes; without, they are laid out so that nothing is cut off.
+        The caller places all axes. Default: matplotlib's constrained layout.
     """
     import matplotlib.style
     from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -48,20 +49,60 @@ def canvas(width: float, height: float, *, by_hand: bool = False) -> Iterator[Ca
 
 
 def save(figure: Canvas, path: Path, *, title: str, caption: str) -> Figure:
-    """Write `path` with the suffixes .png and .pdf and return the figure for the page."""
+    """Write a figure to `path` with the suffixes .png and .pdf, and return it for the page."""
     path.parent.mkdir(parents=True, exist_ok=True)
     png, pdf = path.with_name(path.name + ".png"), path.with_name(path.name + ".pdf")
     figure.draw_without_rendering()
-    # One layout for both files, which also saves time.
+    # Both files use the same layout, which is computed once.
     figure.set_layout_engine("none")
     figure.savefig(png)
-    # Without a date, equal results give equal files.
+    # A file with a date would differ between runs with equal results.
     figure.savefig(pdf, metadata={"CreationDate": None})
     width = round(figure.get_figwidth() * _CSS_PIXELS_PER_INCH)
     return Figure(title, caption, png, pdf, width)
 
 
-def quiet_axis(axes: Axes) -> None:
-    """Remove what a category axis does not need: its line and tick marks."""
-    axes.tick_params(axis="y", length=0)
-    axes.spines["left"].set_visible(False)
+def add_mark(
+    axes: Axes,
+    point: tuple[float, float],
+    interval: tuple[float, float] | None,
+    *,
+    marker: str,
+    size: float,
+    color: str,
+    fill: str,
+    edge: str,
+    edge_width: float,
+) -> None:
+    """Draw a marker, in data coordinates, with the interval of its x as an error bar."""
+    x, y = point
+    axes.errorbar(
+        x,
+        y,
+        xerr=None if interval is None else [[x - interval[0]], [interval[1] - x]],
+        marker=marker,
+        markersize=size,
+        color=color,
+        markerfacecolor=fill,
+        markeredgecolor=edge,
+        markeredgewidth=edge_width,
+        elinewidth=1,
+        capsize=2,
+        zorder=4,
+    )
+
+
+def add_band(axes: Axes, low: float, high: float, text: str, *, at_top: bool) -> None:
+    """Shade the values from `low` to `high` of y, and explain it in a corner at the right."""
+    axes.axhspan(low, high, color="#000000", alpha=0.07, linewidth=0)
+    axes.annotate(
+        text,
+        (1, 1 if at_top else 0),
+        xycoords="axes fraction",
+        xytext=(-3, -3 if at_top else 3),
+        textcoords="offset points",
+        fontsize=7.5,
+        color=QUIET,
+        horizontalalignment="right",
+        verticalalignment="top" if at_top else "bottom",
+    )

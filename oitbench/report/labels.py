@@ -1,4 +1,4 @@
-"""Labels beside their points, where none lies on another label, on a marker or on a line."""
+"""Labels beside their points, placed so that they cover no label, marker or line."""
 
 from __future__ import annotations
 
@@ -16,14 +16,20 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 Floats = npt.NDArray[np.float64]
-"""Boxes are (..., 4): left, bottom, right, top. Segments are (..., 4): x0, y0, x1, y1. Points."""
+"""Boxes are (..., 4): left, bottom, right, top. Segments are (..., 4): x0, y0, x1, y1.
 
+Both are in typographic points, 1/72 inch.
+"""
+
+# Typographic points.
+_FONT_SIZE = 7.0
+_MARKER = 7.0
 _DISTANCES = (5.0, 8.0, 12.0, 17.0, 23.0, 30.0, 38.0, 48.0, 60.0, 75.0, 92.0, 112.0, 135.0)
 _DIRECTIONS = 24
 _LEADER_FROM = 11.0
 _PADDING = 1.0
 _BAR = np.array([0.0, 2.0])
-# What it costs to lie on something per square point, across a line, and one point farther off.
+# Costs: of each square point of overlap, of each crossed line, and of each point of distance.
 _OVERLAP = 3.0
 _CROSSING = 40.0
 _DISTANCE = 0.4
@@ -33,7 +39,7 @@ _DISTANCE = 0.4
 class Label:
     """A text that belongs to the point (x, y) in data coordinates.
 
-    `left` and `right` are the ends of its horizontal error bar, which other labels keep clear of.
+    `left` and `right` are the ends of the point's horizontal error bar, which labels avoid.
     """
 
     x: float
@@ -50,27 +56,23 @@ def place(
     labels: Sequence[Label],
     *,
     lines: Sequence[tuple[Sequence[float], Sequence[float]]] = (),
-    size: float = 7.0,
-    marker: float = 7.0,
 ) -> None:
     """Write `labels` into `axes`, whose limits must be final.
 
-    Each takes the nearest free place round its point; those farther off get a thin leader.
+    Each label takes the nearest free place around its point; a distant one gets a thin leader line.
 
     Parameters
     ----------
     axes : Axes
-        The figure's layout is run once to learn where it lies.
+        Their figure is laid out once, to find their position.
     labels : sequence of Label
-        Earlier ones choose first.
+        Earlier labels are placed first.
     lines : sequence of (xs, ys)
-        Polylines in data coordinates to keep clear of.
-    size, marker : float
-        Font size and marker diameter in points.
+        Polylines in data coordinates that labels avoid.
     """
     figure = axes.get_figure(root=True)
     if figure is None:
-        raise ValueError("labels need axes that belong to a figure")
+        raise ValueError("the axes belong to no figure; labels need one")
     figure.draw_without_rendering()
     scale = 72 / figure.dpi
 
@@ -81,7 +83,7 @@ def place(
     markers = to_points([label.x for label in labels], [label.y for label in labels])
     left = to_points([label.left for label in labels], [label.y for label in labels])
     right = to_points([label.right for label in labels], [label.y for label in labels])
-    half = marker / 2
+    half = _MARKER / 2
     taken = np.concatenate(
         [
             np.column_stack([markers - half, markers + half]),
@@ -92,23 +94,23 @@ def place(
     for number, label in enumerate(labels):
         own = (number, number + len(labels))
         box, leader = _best(
-            markers[number], _text_size(axes, label, size, scale), frame, taken, segments, own
+            markers[number], _text_size(axes, label, scale), frame, taken, segments, own
         )
         taken = np.concatenate([taken, box[None]])
         if leader is not None:
             segments = np.concatenate([segments, leader[None]])
-        _write(axes, label, size, box / scale, None if leader is None else leader / scale)
+        _write(axes, label, box / scale, None if leader is None else leader / scale)
 
 
-def _text_size(axes: Axes, label: Label, size: float, scale: float) -> tuple[float, float]:
-    text = axes.text(0, 0, label.text, **_font(label, size))
+def _text_size(axes: Axes, label: Label, scale: float) -> tuple[float, float]:
+    text = axes.text(0, 0, label.text, **_font(label))
     extent = text.get_window_extent()
     text.remove()
     return extent.width * scale, extent.height * scale
 
 
-def _font(label: Label, size: float) -> dict[str, Any]:
-    return {"fontsize": size, "fontweight": "bold" if label.bold else "normal"}
+def _font(label: Label) -> dict[str, Any]:
+    return {"fontsize": _FONT_SIZE, "fontweight": "bold" if label.bold else "normal"}
 
 
 def _segments(points: Floats) -> Floats:
@@ -116,7 +118,7 @@ def _segments(points: Floats) -> Floats:
 
 
 def _candidates(point: Floats, width: float, height: float) -> tuple[Floats, Floats]:
-    """Return distances (n,) and boxes (n, 4) round `point`, nearest and rightmost first."""
+    """Return distances (n,) and boxes (n, 4) around `point`, nearest and rightmost first."""
     steps = np.arange(_DIRECTIONS)
     # 0, 1, −1, 2, −2, … steps from the direction to the right.
     turns = (steps + 1) // 2 * np.where(steps % 2, 1, -1)
@@ -136,7 +138,22 @@ def _best(
     segments: Floats,
     own: Sequence[int],
 ) -> tuple[Floats, Floats | None]:
-    """Return the cheapest box, and the leader to it if it is far."""
+    """Return the box with the lowest cost, and the leader to it if it is distant.
+
+    Parameters
+    ----------
+    point : array, shape (2,)
+    extent : (float, float)
+        Width and height of the text.
+    frame : array, shape (4,)
+        Box of the axes.
+    taken : array, shape (n, 4)
+        Boxes of markers, error bars and earlier labels.
+    segments : array, shape (m, 4)
+        Lines and earlier leaders.
+    own : sequence of int
+        Indices in `taken` of the point's own marker and error bar, which the leader may touch.
+    """
     distances, boxes = _candidates(point, *extent)
     padded = boxes + np.array([-_PADDING, -_PADDING / 2, _PADDING, _PADDING / 2])
     ends = np.clip(point, boxes[:, :2], boxes[:, 2:])
@@ -154,16 +171,16 @@ def _best(
 
 
 def _overlap(boxes: Floats, others: Floats) -> Floats:
-    """Return the shared areas of boxes (n, 4) and others (m, 4) as (n, m)."""
+    """Return the shared areas, (n, m), of boxes (n, 4) and others (m, 4)."""
     low = np.maximum(boxes[:, None, :2], others[None, :, :2])
     high = np.minimum(boxes[:, None, 2:], others[None, :, 2:])
     return np.asarray(np.prod(np.maximum(high - low, 0), axis=-1))
 
 
 def _meets(segments: Floats, boxes: Floats) -> npt.NDArray[np.bool_]:
-    """Tell which segments pass through which boxes (slab test), broadcasting both."""
+    """Return which segments pass through which boxes (slab test); both are broadcast."""
     start, step = segments[..., :2], segments[..., 2:] - segments[..., :2]
-    # A vanishing step becomes tiny, so that the division gives ±huge instead of NaN.
+    # A tiny step instead of zero makes the quotients huge instead of NaN.
     step = np.where(np.abs(step) < 1e-9, 1e-9, step)
     one, two = (boxes[..., :2] - start) / step, (boxes[..., 2:] - start) / step
     enter = np.minimum(one, two).max(axis=-1)
@@ -172,7 +189,7 @@ def _meets(segments: Floats, boxes: Floats) -> npt.NDArray[np.bool_]:
 
 
 def _cross(ones: Floats, others: Floats) -> npt.NDArray[np.bool_]:
-    """Tell which segments cross each other, broadcasting both."""
+    """Return which segments cross each other; both are broadcast."""
 
     def side(segments: Floats, points: Floats) -> Floats:
         along, to = segments[..., 2:] - segments[..., :2], points - segments[..., :2]
@@ -182,7 +199,7 @@ def _cross(ones: Floats, others: Floats) -> npt.NDArray[np.bool_]:
     return np.asarray(apart & (side(others, ones[..., :2]) * side(others, ones[..., 2:]) < 0))
 
 
-def _write(axes: Axes, label: Label, size: float, box: Floats, leader: Floats | None) -> None:
+def _write(axes: Axes, label: Label, box: Floats, leader: Floats | None) -> None:
     """Write one label; `box` and `leader` are in pixels."""
     to_data = axes.transData.inverted()
     x, y = to_data.transform(box[:2])
@@ -196,7 +213,7 @@ def _write(axes: Axes, label: Label, size: float, box: Floats, leader: Floats | 
         color=label.color,
         verticalalignment="bottom",
         zorder=6,
-        **_font(label, size),
+        **_font(label),
     )
-    # The layout is done; a second pass must not move the axes under the labels.
+    # The layout is final; another pass must not move the axes because of the labels.
     text.set_in_layout(False)

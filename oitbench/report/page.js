@@ -1,5 +1,6 @@
 "use strict";
-// Sorts a table by a clicked heading and filters its rows by a typed word.
+// Click on a heading: sort the table by that column. Type into the field: show the rows that contain
+// all words.
 
 function compare(a, b) {
   const numbers = [Number(a), Number(b)];
@@ -14,7 +15,7 @@ function sort(table, heading) {
   const body = table.tBodies[0];
   const rows = Array.from(body.rows, (row) => [row.cells[column].dataset.sort, row]);
   rows.sort(([a], [b]) => {
-    // What does not exist stays last either way.
+    // Missing values stay last in both directions.
     if (a === "" || b === "") return (a === "") - (b === "");
     return rising ? compare(a, b) : compare(b, a);
   });

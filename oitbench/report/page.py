@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections import Counter
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from importlib import resources
 from pathlib import Path
 from types import ModuleType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 from urllib.parse import quote
 
-from oitbench.errors import UsageError
-from oitbench.report.artifacts import Artifact, Figure, ImageGrid, Note, Table
-from oitbench.results import records as read
+from oitbench.report.artifacts import Artifact, Figure, ImageGrid, Note, Table, writing_to
+from oitbench.report.cells import effect_labels
+from oitbench.report.context import ReportContext
 from oitbench.results.records import Results
-from oitbench.results.store import Record
+from oitbench.results.schema import Record, RunFacts
 
 if TYPE_CHECKING:
     from jinja2 import Environment
@@ -25,7 +26,7 @@ _LAST = 1000
 
 @dataclass(frozen=True)
 class Section:
-    """One report on the page."""
+    """A report on the page."""
 
     name: str
     title: str
@@ -40,14 +41,14 @@ def write(
     *,
     hdr: bool = False,
 ) -> Path:
-    """Build every report and compose them into a page.
+    """Build all reports, and write them as one page.
 
     Parameters
     ----------
     results_folder : path
         Folder of a run.
     out_folder : path, optional
-        Where the page goes; `report` inside the results folder without.
+        Folder of the page. Default: `report` in the results folder.
     collection_reports : mapping of str to module
         Report files by name; each has `title`, `build`, and optionally a number `order`.
     hdr : bool
@@ -61,20 +62,18 @@ def write(
     Raises
     ------
     UsageError
-        If there are no results, or the place cannot be written to.
+        If there are no results, or the folder of the page cannot be written to.
     """
-    results = Results.load(results_folder, hdr=hdr)
+    results = Results.load(results_folder)
     out = Path(out_folder) if out_folder is not None else results.folder / "report"
-    try:
-        out.mkdir(parents=True, exist_ok=True)
+    context = ReportContext(results, out, hdr)
+    page = out / "index.html"
+    with writing_to(out):
         sections = [
-            _section(name, module, results, out)
+            _section(name, module, context)
             for name, module in sorted(collection_reports.items(), key=_order)
         ]
-        page = out / "index.html"
-        page.write_text(_render(results, sections, out), encoding="utf-8")
-    except OSError as error:
-        raise UsageError(f"{out} cannot be written to ({error.strerror}); give -o DIR") from error
+        page.write_text(_render(context, sections), encoding="utf-8")
     return page
 
 
@@ -82,28 +81,31 @@ def _order(report: tuple[str, ModuleType]) -> tuple[float, str]:
     return float(getattr(report[1], "order", _LAST)), report[0]
 
 
-def _section(name: str, module: ModuleType, results: Results, out: Path) -> Section:
-    artifacts = tuple(module.build(results, out))
-    # The first line of the docstring is what the section shows; the rest is how to read it.
+def _section(name: str, module: ModuleType, context: ReportContext) -> Section:
     doc = " ".join((module.__doc__ or "").split())
-    return Section(name, str(module.title), doc, artifacts)
+    return Section(name, str(module.title), doc, tuple(module.build(context)))
 
 
-def _render(results: Results, sections: list[Section], out: Path) -> str:
-    template = _environment(results, out).get_template("index.html")
-    troubled = [record for record in results.records if record["status"] != "ok"]
-    return template.render(
-        results=results,
-        sections=sections,
-        counts=_counts(results.records),
-        troubled=troubled,
-        incomplete=_incomplete(results.records),
-        facts=list(_facts(results.facts)),
-        statuses=read.FINISHED,
+def _render(context: ReportContext, sections: Sequence[Section]) -> str:
+    results = context.results
+    # "ok" comes first, the other statuses in order of first appearance.
+    counts = Counter(ok=0)
+    counts.update(record.status for record in results.records)
+    return (
+        _environment(context)
+        .get_template("index.html")
+        .render(
+            results=results,
+            sections=sections,
+            counts={status: count for status, count in counts.items() if count},
+            troubled=[record for record in results.records if record.status != "ok"],
+            incomplete=_incomplete(results.records),
+            facts=_facts(results.facts),
+        )
     )
 
 
-def _environment(results: Results, out: Path) -> Environment:
+def _environment(context: ReportContext) -> Environment:
     from jinja2 import Environment, FunctionLoader, StrictUndefined
 
     folder = resources.files("oitbench.report")
@@ -116,56 +118,42 @@ def _environment(results: Results, out: Path) -> Environment:
     )
     kinds = {Figure: "figure", Table: "table", ImageGrid: "grid", Note: "note"}
     environment.filters["kind"] = lambda artifact: kinds[type(artifact)]
-    environment.filters["link"] = lambda path: quote(Path(os.path.relpath(path, out)).as_posix())
-    environment.globals["style"] = results.style
+    environment.filters["link"] = lambda path: quote(
+        Path(os.path.relpath(path, context.out)).as_posix()
+    )
+    environment.globals["style"] = context.style
     return environment
 
 
-def _counts(records: tuple[Record, ...]) -> dict[str, int]:
-    """Return the number of cells by status, in order of first appearance, "ok" first."""
-    statuses = ["ok", *(record["status"] for record in records)]
-    counts = dict.fromkeys(dict.fromkeys(statuses), 0)
+def _incomplete(records: Sequence[Record]) -> dict[tuple[str, str], list[str]]:
+    """Return the methods that cannot express effects, by scene and missing effects."""
+    found: dict[tuple[str, str], list[str]] = {}
     for record in records:
-        counts[record["status"]] += 1
-    return {status: count for status, count in counts.items() if count}
-
-
-def _incomplete(records: tuple[Record, ...]) -> dict[str, dict[str, list[str]]]:
-    """Return scene → missing effects → methods that cannot express them."""
-    found: dict[str, dict[str, list[str]]] = {}
-    for record in records:
-        missing = read.missing_effects(record)
-        if missing:
-            by_effects = found.setdefault(record["scene"], {})
-            methods = by_effects.setdefault(", ".join(missing), [])
-            if record["method"] not in methods:
-                methods.append(record["method"])
+        if record.missing_effects:
+            place = record.scene, effect_labels(record.missing_effects)
+            methods = found.setdefault(place, [])
+            if record.method not in methods:
+                methods.append(record.method)
     return found
 
 
-def _facts(facts: Mapping[str, Any]) -> list[tuple[str, str]]:
-    """Return the facts of the run as rows of the environment box."""
-    gl = facts.get("gl") or {}
-    cpu = facts.get("cpu") or {}
-    git = facts.get("git") or {}
-    cores = f", {cpu['cores']} cores" if cpu.get("cores") else ""
-    packages = facts.get("packages") or {}
+def _facts(facts: RunFacts) -> list[tuple[str, str]]:
+    """Return the facts of the run as names and values; unknown facts are left out."""
+    gl, cpu, git = facts.gl, facts.cpu, facts.git
+    cores = f", {cpu.cores} cores" if cpu and cpu.cores else ""
+    modified = " (modified)" if git and git.modified else ""
     rows = {
-        "GL renderer": gl.get("renderer"),
-        "GL version": gl.get("version"),
-        "CPU": f"{cpu['model']}{cores}" if cpu.get("model") else None,
-        "OS": facts.get("os"),
-        "Python": facts.get("python"),
-        "Packages": ", ".join(f"{name} {packages[name]}" for name in packages if packages[name]),
-        "LLVM of the path tracer": facts.get("llvm"),
-        "Commit": (git.get("commit") or "") + (" (modified)" if git.get("modified") else ""),
-        "Command": " ".join(map(str, facts.get("argv") or [])),
-        "Seed": facts.get("seed"),
-        "Date": facts.get("date"),
-        "Wall time": _wall_time(facts.get("wall") or {}),
+        "GL renderer": gl.renderer if gl else "",
+        "GL version": gl.version if gl else "",
+        "CPU": f"{cpu.model}{cores}" if cpu else "",
+        "OS": facts.os,
+        "Python": facts.python,
+        "Packages": ", ".join(f"{name} {value}" for name, value in facts.packages.items() if value),
+        "LLVM of the path tracer": facts.llvm or "",
+        "Commit": f"{git.commit}{modified}" if git else "",
+        "Command": " ".join(facts.argv),
+        "Seed": str(facts.seed),
+        "Date": facts.date,
+        "Wall time": ", ".join(f"{kind} {seconds:.0f} s" for kind, seconds in facts.wall.items()),
     }
-    return [(name, str(value)) for name, value in rows.items() if value not in (None, "")]
-
-
-def _wall_time(seconds: Mapping[str, float]) -> str:
-    return ", ".join(f"{name} {value:.0f} s" for name, value in seconds.items())
+    return [(name, value) for name, value in rows.items() if value]

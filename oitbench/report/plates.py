@@ -1,4 +1,4 @@
-"""Plates: pictures side by side with their error maps beneath, for the page and for print."""
+"""Plates: pictures side by side with their error maps below, for the page and for print."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from oitbench.image import files as images
-from oitbench.image import metrics
 from oitbench.image.files import Image
 from oitbench.report import figures
-from oitbench.report.artifacts import Figure, ImageGrid, Tile, fixed
-from oitbench.results import records as read
-from oitbench.results.records import PATH_TRACED, Panel, Results
-from oitbench.results.store import Record
+from oitbench.report.artifacts import ImageGrid, Tile, fixed
+from oitbench.report.cells import largest_noise_floor
+from oitbench.report.context import ReportContext
+from oitbench.results.records import Panel
+from oitbench.results.schema import PATH_TRACED, TRUTHS, Record
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure as Canvas
@@ -27,7 +27,7 @@ MARGIN, GAP = 0.08, 0.1
 """Inches at the edge of a plate and between two of its pictures."""
 _COLUMNS = 6
 _LABEL_WIDTH = 22
-# Inches: one picture, the room for a label above and the values below, and for the scale.
+# Inches: one picture, the room for a label above it and for values below it, and for the scale.
 _PICTURE = 1.5
 _LABEL = 0.36
 _VALUES = 0.34
@@ -36,54 +36,104 @@ _SCALE = 0.5
 
 @dataclass(frozen=True)
 class Shown:
-    """A tile with its pixels, display-encoded; None where there are none."""
+    """A tile with its pixels, sRGB-encoded; None where the tile has no file."""
 
     tile: Tile
     picture: Image | None
     error_map: Image | None
 
 
-def first_image(results: Results, cells: Sequence[Record], kind: str) -> Image | None:
-    """Return the first image of that kind that the cells share, or None."""
-    found = (results.image(cell, kind) for cell in cells)
+def first_image(context: ReportContext, panel: Panel, truth: str) -> Image | None:
+    """Return the image of a truth, which all cells of a panel share, or None."""
+    found = (context.results.image(cell, truth) for cell in panel.finished)
     return next((image for image in found if image is not None), None)
 
 
 def exposure(cells: Sequence[Record]) -> float:
-    """Return the exposure of the scene that the cells show, in stops."""
-    return next((float(cell.get("exposure") or 0) for cell in cells), 0.0)
+    """Return the exposure in stops, which all cells of a scene share."""
+    return next((cell.outcome.exposure for cell in cells if cell.outcome), 0.0)
 
 
 def display(image: Image, stops: float) -> Image:
-    """Return the picture that a reader sees; pixels that are not finite are magenta."""
+    """Return the displayed picture, sRGB-encoded; pixels that are not finite are magenta."""
     return images.mark_nonfinite(images.to_srgb(image, stops))
 
 
-def show(
-    results: Results,
-    tile: Tile,
-    image: Image | None,
-    against: Image | None,
-    stops: float,
+def show_truth(context: ReportContext, panel: Panel, truth: str, folder: Path) -> Shown:
+    """Return the tile of a truth, after writing its picture to `folder`."""
+    image = first_image(context, panel, truth)
+    floor = largest_noise_floor(panel.finished, context.flip) if truth == PATH_TRACED else None
+    tile = Tile(
+        TRUTHS[truth],
+        None,
+        None,
+        () if floor is None else (f"noise floor {fixed(floor, 4)}",),
+        "" if image is not None else why_no_truth(panel.cells, truth),
+        truth=True,
+    )
+    return _write(tile, image, None, exposure(panel.finished), folder)
+
+
+def show_cell(
+    context: ReportContext,
+    cell: Record,
+    truth: str,
     folder: Path,
+    *,
+    values: tuple[str, ...],
+    label: str = "",
 ) -> Shown:
-    """Write the PNG files of one tile into `folder`: the picture, and its FLIP map to `against`."""
+    """Return the tile of a cell, after writing its picture and its FLIP map to `folder`.
+
+    Parameters
+    ----------
+    context : ReportContext
+    cell : Record
+    truth : str
+        The truth that the map compares with.
+    folder : Path
+    values : tuple of str
+        Lines below the pictures.
+    label : str
+        Heading. Default: the label of the method.
+    """
+    tile = Tile(label or cell.method, None, None, values, note(cell))
+    image, errors = context.results.image(cell, "color"), context.flip_map(cell, truth)
+    return _write(tile, image, errors, exposure([cell]), folder)
+
+
+def error_text(context: ReportContext, cell: Record, truth: str) -> tuple[str, ...]:
+    """Return the mean error of a cell against a truth as text; empty if it has none."""
+    value = cell.metric(truth, context.flip)
+    return () if value is None else (f"{fixed(value, 4)} to {truth.replace('_', ' ')}",)
+
+
+def note(cell: Record) -> str:
+    """Return the status of a cell with its reason; empty if the status is "ok"."""
+    if cell.status == "ok":
+        return ""
+    return f"{cell.status}: {cell.reason}" if cell.reason else cell.status
+
+
+def why_no_truth(cells: Sequence[Record], truth: str) -> str:
+    """Return the reason why cells have no image of a truth."""
+    reasons = (cell.outcome.scores[truth].reason for cell in cells if cell.outcome)
+    return next(filter(None, reasons), "not rendered")
+
+
+def _write(
+    tile: Tile, image: Image | None, errors: Image | None, stops: float, folder: Path
+) -> Shown:
+    """Write the PNG files of a tile, and return it with their paths."""
     if image is None:
         return Shown(tile, None, None)
     stem = "".join(letter if letter.isalnum() else "_" for letter in tile.label)
-    picture = display(image, stops)
-    images.write_png(folder / f"{stem}.png", picture)
-    colored = None
-    if against is not None and against.shape == image.shape:
-        errors = metrics.flip_map(against, image, stops, hdr=results.hdr)
-        colored = None if errors is None else _magma(errors)
+    picture, colored = display(image, stops), None if errors is None else _magma(errors)
+    files = [folder / f"{stem}.png", folder / f"{stem}-flip.png"]
+    images.write_png(files[0], picture)
     if colored is not None:
-        images.write_png(folder / f"{stem}-flip.png", colored)
-    written = replace(
-        tile,
-        picture=folder / f"{stem}.png",
-        error_map=None if colored is None else folder / f"{stem}-flip.png",
-    )
+        images.write_png(files[1], colored)
+    written = replace(tile, picture=files[0], error_map=None if colored is None else files[1])
     return Shown(written, picture, colored)
 
 
@@ -94,31 +144,8 @@ def _magma(errors: Image) -> Image:
     return colors
 
 
-def note(cell: Record) -> str:
-    """Return why a cell did not end well; empty if it did."""
-    if cell["status"] == "ok":
-        return ""
-    reason = f": {cell['reason']}" if cell.get("reason") else ""
-    return f"{cell['status']}{reason}"
-
-
-def noise(results: Results, cells: Sequence[Record]) -> tuple[str, ...]:
-    """Return the noise floor of the path-traced picture in words, if it is known."""
-    floor = read.largest_floor(cells, results.flip)
-    return () if floor is None else (f"noise {fixed(floor, 4)}",)
-
-
-def why_no_truth(cells: Sequence[Record], kind: str = PATH_TRACED) -> str:
-    """Return the reason that a cell gives for want of that truth."""
-    for cell in cells:
-        reason = ((cell.get("metrics") or {}).get(kind) or {}).get("reason")
-        if reason:
-            return str(reason)
-    return "not rendered"
-
-
 def grid(
-    results: Results,
+    context: ReportContext,
     panel: Panel,
     shown: Sequence[Shown],
     path: Path,
@@ -126,26 +153,26 @@ def grid(
     title: str,
     caption: str,
 ) -> ImageGrid:
-    """Return the tiles for the page, drawn for print as `path` with the suffixes .png and .pdf."""
+    """Return the tiles for the page, and draw them as `path` with the suffixes .png and .pdf."""
     layout = _Layout(len(shown), _PICTURE * panel.size[1] / panel.size[0])
     with figures.canvas(layout.width, layout.height, by_hand=True) as canvas:
         for place, tile in enumerate(shown):
             _draw_tile(canvas, layout, place, tile)
-        _draw_scale(canvas, layout, results.flip)
-        figure: Figure = figures.save(canvas, path, title=title, caption=caption)
-    return ImageGrid(title, caption, tuple(item.tile for item in shown), figure)
+        _draw_scale(canvas, layout, context.flip)
+        figure = figures.save(canvas, path, title=title, caption=caption)
+    return ImageGrid(tuple(item.tile for item in shown), figure)
 
 
 @dataclass(frozen=True)
 class _Layout:
-    """Where tiles lie, in inches from the upper left; every picture has the same size."""
+    """Positions of tiles, in inches from the upper left; all pictures have the same size."""
 
     count: int
     picture_height: float
 
     @property
     def columns(self) -> int:
-        # As few rows as possible, and those of almost equal length.
+        # As few rows as possible, of almost equal length.
         return math.ceil(self.count / math.ceil(self.count / _COLUMNS))
 
     @property
@@ -172,9 +199,9 @@ def draw_picture(canvas: Canvas, image: Image, left: float, top: float, width: f
     ----------
     canvas : Canvas
     image : array, shape (h, w, 3)
-        Display-encoded.
+        sRGB-encoded.
     left, top, width : float
-        Inches from the figure's upper left corner; the height follows.
+        Inches from the upper left corner of the figure; the height follows.
     """
     height = width * image.shape[0] / image.shape[1]
     axes = canvas.add_axes(_box(canvas, left, top, width, height))
@@ -198,12 +225,14 @@ def _draw_tile(canvas: Canvas, layout: _Layout, place: int, shown: Shown) -> Non
     for image, edge in ((picture, upper), (colored, lower)):
         if image is not None:
             draw_picture(canvas, image, left, edge, _PICTURE)
-    below = lower + layout.picture_height + 0.04 if colored is not None else lower + 0.02
-    told = tile.note if picture is None or not tile.values else ""
+    lines = [*tile.values, textwrap.fill(tile.note, _LABEL_WIDTH)]
+    below = upper if picture is None else lower
+    if colored is not None:
+        # There is no room for the note, which the page shows.
+        lines, below = [*tile.values], lower + layout.picture_height
     texts = (
         (_heading(tile.label), upper - 0.04, "bottom", 7.5),
-        (textwrap.fill(told, _LABEL_WIDTH), upper + 0.04 if picture is None else lower, "top", 7),
-        ("\n".join(tile.values), below, "top", 7),
+        ("\n".join(lines), below + 0.04, "top", 7),
     )
     for text, edge, anchor, size in texts:
         canvas.text(
@@ -218,7 +247,7 @@ def _draw_tile(canvas: Canvas, layout: _Layout, place: int, shown: Shown) -> Non
 
 
 def _heading(label: str) -> str:
-    """Break a long label before its parameters, or between its words."""
+    """Break a long label before its parameters, or between words."""
     if len(label) <= _LABEL_WIDTH:
         return label
     name, bracket, parameters = label.partition("[")
@@ -228,7 +257,7 @@ def _heading(label: str) -> str:
 
 
 def _draw_scale(canvas: Canvas, layout: _Layout, name: str) -> None:
-    """Draw the magma scale at the right edge, beside the first row."""
+    """Draw the scale of the error maps at the right edge, beside the first row."""
     left = layout.width - MARGIN - _SCALE + 0.06
     height = 2 * layout.picture_height + GAP / 2
     axes = canvas.add_axes(_box(canvas, left, MARGIN + _LABEL, 0.1, height))
@@ -237,4 +266,4 @@ def _draw_scale(canvas: Canvas, layout: _Layout, name: str) -> None:
     axes.set_xticks([])
     axes.yaxis.tick_right()
     axes.set_yticks([0, 0.5, 1], ["0", "0.5", "1"])
-    axes.set_title(name.partition("@")[0].replace("_", "\n"), fontsize=7, fontweight="normal")
+    axes.set_title(name.replace("@", "\n@"), fontsize=7, fontweight="normal", pad=8)

@@ -15,7 +15,7 @@ from oitbench.image.files import Image
 from oitbench.method.ablation import REQUESTED
 from oitbench.parameters import natural
 from oitbench.results import store
-from oitbench.results.schema import FINISHED, CellKey, Record, RunFacts
+from oitbench.results.schema import CellKey, Record, RunFacts, flip_image
 from oitbench.results.table import flat
 
 if TYPE_CHECKING:
@@ -32,9 +32,9 @@ class Ablation:
     ----------
     complete, reduced : Record
     named : tuple of str
-        The effects that were asked to be left out, as readers see them.
+        Names of the effects that were requested to be left out.
     implied : tuple of str
-        Effects that were left out because they depend on those.
+        Names of the effects that were left out because they depend on those.
     """
 
     complete: Record
@@ -146,22 +146,30 @@ class Results:
 
     def image(self, record: Record, kind: str) -> Image | None:
         """Return an image of a cell, a key of `Outcome.images`; None if it has none."""
+        path = self._file(record, kind)
+        return None if path is None else files.read_exr(path)
+
+    def flip_maps(self, record: Record, truth: str) -> tuple[Image, Image] | None:
+        """Return the stored FLIP maps of a cell against a truth; None if it has none.
+
+        Returns
+        -------
+        ldr, hdr : array, shape (h, w), float32
+            FLIP errors of the displayed image and of HDR-FLIP, in [0, 1].
+        """
+        path = self._file(record, flip_image(truth))
+        return None if path is None else files.read_flip_maps(path)
+
+    def _file(self, record: Record, kind: str) -> Path | None:
+        """Return the file of an image of a cell, or None if it does not exist."""
         path = record.outcome.images.get(kind) if record.outcome else None
-        if not path or not (self.folder / path).is_file():
-            return None
-        return files.read_exr(self.folder / path)
+        return self.folder / path if path and (self.folder / path).is_file() else None
 
     def frame(self) -> pd.DataFrame:
         """Return one row per cell with flat columns; numbers that do not exist are missing."""
         import pandas as pd
 
         return pd.DataFrame([flat(record) for record in self.records])
-
-
-def effect_label(effect: str) -> str:
-    """Return the name of an effect as readers see it."""
-    words = effect.lower().split("_")
-    return " ".join("AO" if word == "ao" else word for word in words)
 
 
 def _place(record: Record) -> _Place:
@@ -177,8 +185,8 @@ def _by_complete(ablation: Ablation) -> Any:
 
 
 def _left_out(record: Record) -> list[str]:
-    """Return the effects that a cell was asked to leave out."""
-    text = record.effects
+    """Return the names of the effects that a cell was requested to leave out."""
+    text = record.effects.upper()
     return [part.strip().removeprefix("-") for part in text.split(",") if text.startswith("-")]
 
 
@@ -189,16 +197,10 @@ def _counterpart(record: Record) -> CellKey | None:
 
 def _ablation(complete: Record, record: Record) -> Ablation:
     named = _left_out(record)
-    gone = [effect.lower() for effect in complete.requested_effects]
-    remaining = [effect.lower() for effect in record.requested_effects]
-    implied = [effect for effect in gone if effect not in (*remaining, *named)]
+    kept = (*record.requested_effects, *named)
     # A cell that did not finish has no list of effects.
-    return Ablation(
-        complete,
-        record,
-        tuple(map(effect_label, named)),
-        tuple(map(effect_label, implied if record.status in FINISHED else ())),
-    )
+    implied = [e for e in complete.requested_effects if e not in kept] if record.finished else []
+    return Ablation(complete, record, tuple(named), tuple(implied))
 
 
 def _title(place: _Place, several: Iterable[bool]) -> str:

@@ -13,8 +13,9 @@ from oitbench.cli import main
 from oitbench.gl.device import Device
 from oitbench.method.declaration import Method
 from oitbench.plugins import Collection
-from oitbench.report import Note, Table
+from oitbench.report import Note, ReportContext, Table
 from oitbench.results.records import Results
+from oitbench.results.schema import RunFacts
 from oitbench.scene import WHITE
 from oitbench.stability import files, suite
 from oitbench.stability.check import Bound, Check, Comparison, Picture
@@ -242,7 +243,8 @@ def test_files_and_report(device: Device, tmp_path: Path) -> None:
     text = (tmp_path / "stability" / files.CSV).read_text(encoding="utf-8")
     assert len(text.splitlines()) == 1 + len(found)
     report = collection().reports["stability"]
-    identities, cases, every = report.build(Results(tmp_path, (), {}), tmp_path / "out")
+    results = Results(tmp_path, (), RunFacts(gl=None, seed=1))
+    identities, cases, every = report.build(ReportContext(results, tmp_path / "out"))
     assert isinstance(identities, Table)
     assert isinstance(cases, Table)
     assert [row[:3] for row in identities.rows] == [
@@ -252,7 +254,8 @@ def test_files_and_report(device: Device, tmp_path: Path) -> None:
     assert [row[1] for row in cases.rows] == ["0.17", "✓"]
     assert isinstance(every, Table)
     assert len(every.rows) == len(found)
-    (note,) = report.build(Results(tmp_path / "out", (), {}), tmp_path / "out")
+    elsewhere = replace(results, folder=tmp_path / "out")
+    (note,) = report.build(ReportContext(elsewhere, tmp_path / "out"))
     assert isinstance(note, Note)
 
 

@@ -1,0 +1,185 @@
+"""Bytes of methods as stacked bars and as a table, for the reports of memory and of traffic."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+from oitbench.report import figures, palette
+from oitbench.report.artifacts import Artifact, Column, Figure, Note, Row, write_table
+from oitbench.report.cells import outcomes
+from oitbench.report.context import ReportContext
+from oitbench.results.records import Panel
+from oitbench.results.schema import Outcome, Record
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+# A block shows its name if it has at least this share of the axis for each letter.
+_LETTER_SHARE = 0.0092
+# Inches: a bar with its gap, the axis below, and the legend.
+_ROW_HEIGHT = 0.235
+_MARGIN = 0.75
+_LEGEND = 0.25
+_BAR_HEIGHT = 0.72
+
+
+@dataclass(frozen=True)
+class Block:
+    """A named block of a bar; `parts` are pairs of a color and a value."""
+
+    name: str
+    parts: tuple[tuple[str, float], ...]
+
+
+@dataclass(frozen=True)
+class Bar:
+    """The bar of one cell; `total` is the text at its end."""
+
+    blocks: tuple[Block, ...]
+    total: str
+
+    @property
+    def length(self) -> float:
+        """Sum of all parts."""
+        return sum(value for block in self.blocks for _, value in block.parts)
+
+
+@dataclass(frozen=True)
+class Account:
+    """The way in which a report shows an account of bytes.
+
+    Parameters
+    ----------
+    name : str
+        Stem of the names of all files.
+    axis : str
+        Label of the axis, with the unit.
+    caption : str
+        Of the figures.
+    room : float
+        Length of the axis relative to the longest bar; the rest is room for the totals.
+    columns : tuple of Column
+    table_title, table_caption : str
+    bar : callable
+        Returns the bar of a finished cell.
+    rows : callable
+        Returns the rows of a finished cell in the table.
+    legend : mapping of str to str
+        Color of each name.
+    """
+
+    name: str
+    axis: str
+    caption: str
+    room: float
+    columns: tuple[Column, ...]
+    table_title: str
+    table_caption: str
+    bar: Callable[[ReportContext, Record, Outcome], Bar]
+    rows: Callable[[Panel, Record, Outcome], Iterable[Row]]
+    legend: Mapping[str, str] = field(default_factory=dict)
+
+
+def build(context: ReportContext, account: Account) -> list[Artifact]:
+    """Draw a figure per scene, and list all terms in a table."""
+    drawn: list[Artifact] = []
+    rows: list[Row] = []
+    for panel in context.results.panels():
+        finished = outcomes(panel)
+        if not finished:
+            drawn.append(Note(f"{panel.title}: no method has finished yet."))
+            continue
+        bars = {cell.method: account.bar(context, cell, outcome) for cell, outcome in finished}
+        drawn.append(_figure(context, account, panel, bars))
+        rows += [row for cell, outcome in finished for row in account.rows(panel, cell, outcome)]
+    if rows:
+        drawn.append(
+            write_table(
+                context.out / f"{account.name}.csv",
+                account.columns,
+                rows,
+                title=account.table_title,
+                caption=account.table_caption,
+                collapsed=True,
+            )
+        )
+    return drawn
+
+
+def _figure(
+    context: ReportContext, account: Account, panel: Panel, bars: Mapping[str, Bar]
+) -> Figure:
+    length = account.room * (max(bar.length for bar in bars.values()) or 1.0)
+    height = _MARGIN + _ROW_HEIGHT * len(bars) + (_LEGEND if account.legend else 0)
+    with figures.canvas(figures.WIDTH, height) as figure:
+        axes = figure.subplots()
+        axes.grid(True, axis="x")
+        axes.set_xlim(0, length)
+        for row, bar in enumerate(bars.values()):
+            _draw(axes, row, bar, length)
+        axes.set_yticks(range(len(bars)), list(bars))
+        axes.set_ylim(len(bars) - 0.4, -0.6)
+        axes.set_xlabel(account.axis)
+        # The labels of methods need neither tick marks nor a line.
+        axes.tick_params(axis="y", length=0)
+        axes.spines["left"].set_visible(False)
+        used = {color for bar in bars.values() for block in bar.blocks for color, _ in block.parts}
+        shown = {name: color for name, color in account.legend.items() if color in used}
+        if shown:
+            _add_legend(axes, shown)
+        path = context.out / f"{account.name}-{panel.slug}"
+        return figures.save(figure, path, title=panel.title, caption=account.caption)
+
+
+def _add_legend(axes: Axes, colors: Mapping[str, str]) -> None:
+    from matplotlib.patches import Patch
+
+    axes.figure.legend(
+        handles=[Patch(color=color, label=name) for name, color in colors.items()],
+        loc="outside upper left",
+        ncols=len(colors),
+        handlelength=1,
+        columnspacing=1.6,
+    )
+
+
+def _draw(axes: Axes, row: int, bar: Bar, length: float) -> None:
+    """Draw a bar: its blocks in order, separated by white lines, and the total at the end."""
+    start = 0.0
+    for block in bar.blocks:
+        start = _draw_block(axes, row, block, start, length)
+    axes.annotate(
+        bar.total,
+        (start, row),
+        xytext=(4, 0),
+        textcoords="offset points",
+        fontsize=7.5,
+        verticalalignment="center_baseline",
+    )
+
+
+def _draw_block(axes: Axes, row: int, block: Block, start: float, length: float) -> float:
+    """Draw a block from x = `start`, with its name in its widest part, and return its end."""
+    widest = _widest(block.parts)
+    for place, (color, value) in enumerate(block.parts):
+        axes.barh(row, value, left=start, height=_BAR_HEIGHT, color=color)
+        if place == widest and value > _LETTER_SHARE * length * (len(block.name) + 2):
+            axes.text(
+                start + value / 2,
+                row,
+                block.name,
+                fontsize=6.5,
+                color="white" if palette.is_dark(color) else figures.INK,
+                horizontalalignment="center",
+                verticalalignment="center_baseline",
+            )
+        start += value
+    half = _BAR_HEIGHT / 2
+    axes.plot([start, start], [row - half, row + half], color="white", linewidth=1.2)
+    return start
+
+
+def _widest(parts: Sequence[tuple[str, float]]) -> int:
+    return max(range(len(parts)), key=lambda place: parts[place][1])

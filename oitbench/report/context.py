@@ -1,0 +1,56 @@
+"""The input of a report: results, the folder to write to, and the look of methods and FLIP."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+from oitbench.image import metrics
+from oitbench.image.files import Image
+from oitbench.report import palette
+from oitbench.report.palette import Style
+from oitbench.results.records import Results
+from oitbench.results.schema import Record
+
+
+@dataclass(frozen=True)
+class ReportContext:
+    """The argument of a report's `build`.
+
+    Parameters
+    ----------
+    results : Results
+    out : Path
+        Existing folder that the report writes to.
+    hdr : bool
+        Show HDR-FLIP instead of FLIP of the displayed image.
+    """
+
+    results: Results
+    out: Path
+    hdr: bool = False
+
+    @property
+    def flip(self) -> str:
+        """Name of the FLIP metric that is shown."""
+        return metrics.FLIP_HDR if self.hdr else metrics.FLIP_LDR
+
+    def flip_map(self, record: Record, truth: str) -> Image | None:
+        """Return the map of that metric against a truth, shape (h, w); None if there is none."""
+        maps = self.results.flip_maps(record, truth)
+        return None if maps is None else maps[int(self.hdr)]
+
+    def style(self, label: str) -> Style:
+        """Return the look of a method, the same in every picture.
+
+        The color follows from the method's place among all methods that the run knew. Methods that
+        differ only in parameters share a color.
+        """
+        return self._styles[label]
+
+    @cached_property
+    def _styles(self) -> Mapping[str, Style]:
+        names = {record.method: record.name for record in self.results.records}
+        return palette.styles(names, self.results.facts.methods)

@@ -1,0 +1,100 @@
+"""Cost and gain of effects, from cells that leave one effect out."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from oitbench.report.cells import effect_labels, total_memory, total_traffic
+from oitbench.results.records import Ablation, Panel
+from oitbench.results.schema import PATH_TRACED, Record
+
+_RESAMPLES = 1000
+
+
+class SavedTime(NamedTuple):
+    """Difference of two median frame times in milliseconds, with its 95 % interval."""
+
+    median: float
+    low: float
+    high: float
+
+
+@dataclass(frozen=True)
+class EffectCost:
+    """Cost and gain of an effect with one method in one scene.
+
+    Parameters
+    ----------
+    ablation : Ablation
+    time : SavedTime, optional
+        Frame time that leaving the effect out saves.
+    memory, traffic : int
+        Bytes that leaving the effect out saves, shared shading included.
+    gain : float, optional
+        Increase of the path-traced error when the effect is left out.
+    noise_floor : float, optional
+        Noise floor of the path-traced reference.
+    """
+
+    ablation: Ablation
+    time: SavedTime | None
+    memory: int
+    traffic: int
+    gain: float | None
+    noise_floor: float | None
+
+    @property
+    def method(self) -> str:
+        """Label of the method."""
+        return self.ablation.complete.method
+
+    @property
+    def effect(self) -> str:
+        """Name of the effect as readers see it; several names if several were left out."""
+        return effect_labels(self.ablation.named)
+
+    @property
+    def verdict(self) -> str:
+        """How the effect changes the error: "better", "worse" or "tie"; empty if unknown."""
+        if self.gain is None:
+            return ""
+        if abs(self.gain) <= (self.noise_floor or 0.0):
+            return "tie"
+        return "better" if self.gain > 0 else "worse"
+
+
+def effect_costs(panel: Panel, metric: str) -> Iterator[EffectCost]:
+    """Yield the cost and gain of every effect that was left out of a finished cell."""
+    for ablation in panel.ablations:
+        complete, reduced = ablation.complete, ablation.reduced
+        if complete.outcome is None or reduced.outcome is None:
+            continue
+        errors = [cell.metric(PATH_TRACED, metric) for cell in (reduced, complete)]
+        yield EffectCost(
+            ablation,
+            saved_time(complete, reduced),
+            total_memory(complete.outcome) - total_memory(reduced.outcome),
+            total_traffic(complete.outcome) - total_traffic(reduced.outcome),
+            None if errors[0] is None or errors[1] is None else errors[0] - errors[1],
+            complete.noise_floor(PATH_TRACED, metric),
+        )
+
+
+def saved_time(complete: Record, reduced: Record, seed: int = 1) -> SavedTime | None:
+    """Return the frame time that leaving effects out saves; None if a cell has no times.
+
+    The interval is a bootstrap over the samples of both cells.
+    """
+    if complete.time is None or reduced.time is None:
+        return None
+    times = (complete.time.frame_ms, reduced.time.frame_ms)
+    saved = times[0].median - times[1].median
+    generator = np.random.default_rng(seed)
+    chosen = [generator.choice(time.samples, (_RESAMPLES, len(time.samples))) for time in times]
+    medians = [np.median(values, axis=1) for values in chosen]
+    low, high = np.percentile(medians[0] - medians[1], [2.5, 97.5])
+    return SavedTime(saved, min(float(low), saved), max(float(high), saved))

@@ -1,0 +1,210 @@
+"""Made-up cells and results folders, for tests of reports."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import msgspec
+import numpy as np
+
+from oitbench.image import files, metrics
+from oitbench.image.files import Image
+from oitbench.report import ReportContext
+from oitbench.results.records import Results
+from oitbench.results.schema import (
+    EXACT,
+    PATH_TRACED,
+    EffectNames,
+    Interval,
+    Memory,
+    MemoryTerm,
+    Nonfinite,
+    Outcome,
+    Record,
+    Renderer,
+    RunFacts,
+    Scores,
+    SharedShading,
+    Status,
+    Time,
+    Traffic,
+    TrafficTerm,
+    flip_image,
+)
+from oitbench.results.store import Store, image_path
+
+SIDE = 16
+"""Width and height of all pictures, in pixels."""
+FLOOR = 0.01
+"""Noise floor of FLIP and RMSE."""
+FACTS = RunFacts(
+    gl=Renderer("llvmpipe (test)", version="4.5", software=True), seed=1, methods=["glow", "murk"]
+)
+EFFECTS = ("COVERAGE", "DIFFUSION", "SHADOWS", "TRANSLUCENT_SHADOWS", "COLORED_SHADOWS")
+
+
+def unfinished(
+    scene: str, method: str, status: Status = "failed", reason: str = "no", **fields: Any
+) -> Record:
+    """Return a record without numbers; `fields` are further fields of `Record`."""
+    values: dict[str, Any] = {"size": (SIDE, SIDE), "ssaa": 2, "effects": "requested", "seed": 1}
+    name = method.partition("[")[0]
+    return Record(scene, method, name, status=status, reason=reason, **(values | fields))
+
+
+def finished(
+    folder: Path,
+    scene: str,
+    method: str,
+    error: float,
+    *,
+    traced: bool = True,
+    outcome: Mapping[str, Any] | None = None,
+    **fields: Any,
+) -> Record:
+    """Return a record, and write its pictures, which differ from both truths by a factor.
+
+    Parameters
+    ----------
+    folder : Path
+        The results folder.
+    scene, method : str
+    error : float
+        One minus the factor.
+    traced : bool
+        Whether there is a path-traced truth.
+    outcome : mapping
+        Fields of `Outcome` that replace the made-up ones.
+    **fields
+        Fields of `Record` that replace the made-up ones.
+    """
+    median = 2 - error
+    values: dict[str, Any] = {"status": "ok", "reason": "", "time": timed(median)}
+    record = unfinished(scene, method, **(values | fields))
+    truth, picture = _pictures(error)
+    evaluation = _compare(error)
+    kinds = ["color", EXACT, flip_image(EXACT)]
+    scores = {EXACT: Scores(evaluation.values), PATH_TRACED: Scores(reason="no geometry")}
+    if traced:
+        kinds += [PATH_TRACED, flip_image(PATH_TRACED)]
+        floor: dict[str, float | None] = {metrics.FLIP_LDR: FLOOR, metrics.RMSE: FLOOR}
+        scores[PATH_TRACED] = Scores(evaluation.values, floor)
+    images = {kind: image_path(record.key, kind) for kind in kinds}
+    for kind, path in images.items():
+        if kind.startswith("flip_"):
+            maps = evaluation.maps[metrics.FLIP_LDR], evaluation.maps[metrics.FLIP_HDR]
+            files.write_flip_maps(folder / path, *maps)
+        else:
+            files.write_exr(folder / path, picture if kind == "color" else truth)
+    made_up = Outcome(
+        parameters={},
+        effects=EffectNames(["COVERAGE"], [], ["COVERAGE"]),
+        fragments=100,
+        max_depth_complexity=4,
+        passes=[],
+        memory=Memory(3072, 96, [MemoryTerm("a", 2048), MemoryTerm("b", 1024)]),
+        traffic=Traffic(400, [TrafficTerm("gather", "a", "write", 100, 4, 400)]),
+        shading=shading(0),
+        nonfinite=Nonfinite(),
+        scores=scores,
+        images=images,
+        exposure=0.0,
+    )
+    replaced = msgspec.structs.replace(made_up, **(outcome or {}))
+    return msgspec.structs.replace(record, outcome=replaced)
+
+
+def unstable(folder: Path, scene: str, method: str) -> Record:
+    """Return a record whose picture has a NaN, and therefore neither metrics nor maps."""
+    record = finished(folder, scene, method, 0.2)
+    assert record.outcome is not None
+    outcome = record.outcome
+    picture = files.read_exr(folder / outcome.images["color"])
+    picture[3, 3] = np.nan
+    files.write_exr(folder / outcome.images["color"], picture)
+    images = {kind: path for kind, path in outcome.images.items() if not kind.startswith("flip_")}
+    nothing = Scores(dict.fromkeys(metrics.NAMES))
+    changed = msgspec.structs.replace(
+        outcome,
+        nonfinite=Nonfinite(**metrics.count_nonfinite(picture)),
+        scores={EXACT: nothing, PATH_TRACED: nothing},
+        images=images,
+    )
+    return msgspec.structs.replace(record, status="unstable", reason="1 NaN pixel", outcome=changed)
+
+
+def with_effects(
+    folder: Path,
+    method: str,
+    error: float,
+    *,
+    effects: str = "requested",
+    gone: Iterable[str] = (),
+    missing: Iterable[str] = (),
+    ms: float = 10.0,
+    shadow_maps: int = 2**20,
+) -> Record:
+    """Return a record of a scene that requests `EFFECTS`.
+
+    Parameters
+    ----------
+    folder, method, error
+        As in `finished`.
+    effects : str
+        Setting of the cell.
+    gone, missing : iterable of str
+        Effects that the setting leaves out, and effects that the method cannot express.
+    ms : float
+        Frame time.
+    shadow_maps : int
+        Bytes of shared shading.
+    """
+    requested = [name for name in EFFECTS if name not in set(gone)]
+    outcome = {
+        "effects": EffectNames(requested, requested, list(missing)),
+        "shading": shading(shadow_maps),
+    }
+    return finished(
+        folder, "panes", method, error, effects=effects, time=timed(ms), outcome=outcome
+    )
+
+
+def timed(median: float) -> Time:
+    """Return times with a frame time in milliseconds and an interval of ±0.1 ms."""
+    samples = [median - 0.1, median, median + 0.1]
+    return Time(Interval(median, samples[0], samples[2], samples), 0.0)
+
+
+def shading(count: int) -> SharedShading:
+    """Return accounts of shadow maps with that many bytes of memory."""
+    return SharedShading(Memory(count, 0.0, []), Traffic(0, []))
+
+
+def store(folder: Path, *records: Record) -> Path:
+    """Write a results folder with facts, and return it."""
+    opened = Store.open(folder)
+    for record in records:
+        opened.append(record)
+    opened.compact()
+    opened.write_run(FACTS)
+    return folder
+
+
+def context(folder: Path, records: Iterable[Record], out: Path) -> ReportContext:
+    """Return the context of a report of those records, whose pictures are in `folder`."""
+    return ReportContext(Results(folder, tuple(records), FACTS), out)
+
+
+@cache
+def _pictures(error: float) -> tuple[Image, Image]:
+    truth = np.random.default_rng(5).random((SIDE, SIDE, 3), dtype=np.float32)
+    return truth, truth * np.float32(1 - error)
+
+
+@cache
+def _compare(error: float) -> metrics.Evaluation:
+    truth, picture = _pictures(error)
+    return metrics.compare(truth, picture, 0.0)

@@ -1,0 +1,147 @@
+"""The page: from a made-up results folder to figures, tables and a page that works offline."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Callable
+from html.parser import HTMLParser
+from pathlib import Path
+from urllib.parse import unquote
+
+import numpy as np
+import pandas as pd
+import pytest
+from click.testing import CliRunner
+
+from oitbench.cli.report import command
+from oitbench.errors import UsageError
+from oitbench.plugins import Collection
+from oitbench.report import write
+from oitbench.results.records import Results
+from oitbench.results.schema import Record
+from tests.report.made_up import finished, store, unfinished, unstable
+
+REPORTS = Collection.load().reports
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("results")
+    return store(
+        path,
+        finished(path, "panes", "murk", 0.3),
+        finished(path, "panes", "glow[n=8]", 0.0),
+        unstable(path, "panes", "glow[n=16]"),
+        unfinished("panes", "<b>bold</b>", "failed", "shader & 'nodes' <undeclared>"),
+        finished(path, "lists", "murk", 0.1, traced=False),
+        unfinished("lists", "glow[n=8]", "timeout", "no end within 9 s"),
+    )
+
+
+@pytest.fixture(scope="module")
+def page(folder: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return write(folder, tmp_path_factory.mktemp("a report"), REPORTS)
+
+
+class Links(HTMLParser):
+    """Collects all references of a page."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.found: list[str] = []
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.found += [value or "" for name, value in attrs if name in ("src", "href")]
+
+
+def links(page: Path) -> list[str]:
+    parser = Links()
+    parser.feed(page.read_text(encoding="utf-8"))
+    return parser.found
+
+
+def test_the_page_needs_no_network(page: Path) -> None:
+    text = page.read_text(encoding="utf-8")
+    for word in ("http:", "https:", "//cdn", "@import", "url("):
+        assert word not in text
+
+
+def test_every_link_has_a_target(page: Path) -> None:
+    text = page.read_text(encoding="utf-8")
+    found = links(page)
+    assert len([link for link in found if link.endswith(".png")]) > 20
+    for link in found:
+        if link.startswith("#"):
+            assert f'id="{link[1:]}"' in text
+        else:
+            target = page.parent / unquote(link)
+            assert target.is_file(), link
+            assert target.stat().st_size > 0
+
+
+def test_figures_are_png_and_pdf_and_tables_csv(page: Path) -> None:
+    made = {path.name for path in page.parent.iterdir()}
+    for name in ("pareto", "images", "memory", "traffic"):
+        assert {f"{name}-01-panes.png", f"{name}-01-panes.pdf"} <= made
+    assert {"table.csv", "pareto.csv", "memory.csv", "traffic.csv"} <= made
+
+
+def test_no_cell_and_no_reason_is_left_out(page: Path, folder: Path) -> None:
+    table = pd.read_csv(page.parent / "table.csv")
+    assert len(table) == len(Results.load(folder).records) == 6
+    failed = table[table["status"] == "failed"].iloc[0]
+    assert failed["reason"] == "shader & 'nodes' <undeclared>"
+    assert np.isnan(failed["frame_ms"])
+    assert np.isnan(failed["unstable_pixels"])
+    text = page.read_text(encoding="utf-8")
+    # Labels are escaped, so that they are text and not markup.
+    assert "&lt;undeclared&gt;" in text
+    assert "<b>bold</b>" not in text
+    assert "no end within 9 s" in text
+    assert "no geometry" in text
+    assert "software renderer" in text
+
+
+def test_tables_contain_the_numbers(page: Path) -> None:
+    with (page.parent / "table.csv").open(encoding="utf-8", newline="") as file:
+        rows = {(row["scene"], row["method"]): row for row in csv.DictReader(file)}
+    exact = rows["panes", "glow[n=8]"]
+    assert float(exact["exact.flip_ldr@67ppd"]) == 0
+    assert float(exact["frame_ms"]) == 2
+    assert float(exact["memory_mib"]) == pytest.approx(3072 / 2**20)
+    assert exact["path_traced.rank"] == "1"
+    assert rows["panes", "glow[n=16]"]["unstable_pixels"] == "1"
+    assert rows["panes", "glow[n=16]"]["exact.flip_ldr@67ppd"] == ""
+    traffic = pd.read_csv(page.parent / "traffic.csv")
+    assert (traffic["items"] * traffic["bytes_per_item"] == traffic["bytes"]).all()
+
+
+@pytest.mark.parametrize(
+    "records",
+    [
+        lambda folder: [finished(folder, "panes", "murk", 0.2, traced=False)],
+        lambda folder: [unfinished("panes", "murk")],
+        lambda folder: [],
+    ],
+    ids=["one method", "nothing finished", "no cell"],
+)
+def test_few_cells_are_enough(tmp_path: Path, records: Callable[[Path], list[Record]]) -> None:
+    page = write(store(tmp_path, *records(tmp_path)), None, REPORTS)
+    assert page == tmp_path / "report" / "index.html"
+    for link in links(page):
+        assert link.startswith("#") or (page.parent / unquote(link)).is_file()
+
+
+def test_a_missing_picture_affects_no_other(tmp_path: Path) -> None:
+    murk = finished(tmp_path, "panes", "murk", 0.2)
+    store(tmp_path, murk, finished(tmp_path, "panes", "glow", 0.1))
+    assert murk.outcome is not None
+    (tmp_path / murk.outcome.images["color"]).unlink()
+    page = write(tmp_path, tmp_path / "out", {"images": REPORTS["images"]})
+    assert sum(link.endswith("glow.png") for link in links(page)) == 2
+    assert not any(link.endswith("murk.png") for link in links(page))
+
+
+def test_the_command_refuses_folders_without_results(tmp_path: Path) -> None:
+    answer = CliRunner().invoke(command, [str(tmp_path / "no")])
+    assert isinstance(answer.exception, UsageError)
