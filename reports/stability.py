@@ -1,6 +1,6 @@
 """What methods promise and survive: identities that must hold, and hard cases with right answers.
 
-Needs the findings of `oitbench stability`, in the results folder or its folder `stability`.
+Needs the results of `oitbench stability`, in the results folder or its folder `stability`.
 """
 
 from __future__ import annotations
@@ -11,8 +11,8 @@ from pathlib import Path
 from oitbench.report import Artifact, Column, Note, decimal, write_table
 from oitbench.report.artifacts import Value
 from oitbench.results.records import Results
-from oitbench.stability import files
-from oitbench.stability.finding import BREAKS, DOES_NOT_APPLY, HOLDS, Finding
+from oitbench.stability import files, summary
+from oitbench.stability.result import BREAKS, DOES_NOT_APPLY, HOLDS, CheckResult
 
 title = "Stability"
 order = 60
@@ -21,14 +21,14 @@ _WORDS = {HOLDS: "✓", DOES_NOT_APPLY: "–"}
 
 
 def build(results: Results, out: Path) -> list[Artifact]:
-    """Write a table of identities, one of hard cases, and one of every finding."""
+    """Write a table of identities, one of hard cases, and one of every result."""
     places = (results.folder / "stability", results.folder)
     found = [place / files.JSON for place in places if (place / files.JSON).is_file()]
     if not found:
         told = results.folder / "stability"
         return [Note(f"Not run yet: oitbench stability --out {told} adds it.")]
-    findings = files.read(found[0])
-    by_method = files.by_method(findings)
+    checked = files.read(found[0])
+    by_method = summary.by_method(checked)
     return [
         _matrix(
             by_method,
@@ -46,37 +46,37 @@ def build(results: Results, out: Path) -> list[Artifact]:
             "No method promises these.",
             identity=False,
         ),
-        _list(findings, out),
+        _list(checked, out),
     ]
 
 
 def _matrix(
-    by_method: dict[str, list[Finding]], path: Path, name: str, caption: str, *, identity: bool
+    by_method: dict[str, list[CheckResult]], path: Path, name: str, caption: str, *, identity: bool
 ) -> Artifact:
     rows: list[tuple[Value, ...]] = []
     columns: tuple[Column, ...] = ()
     for method, own in by_method.items():
-        chosen = [finding for finding in own if finding.identity == identity]
+        chosen = [result for result in own if result.identity == identity]
         columns = tuple(Column(f.check, f.check, kind="text", help=f.sentence) for f in chosen)
-        faults = "; ".join(files.told_faults(chosen))
+        faults = "; ".join(summary.faults(chosen))
         rows.append((method, *map(_mark, chosen), faults))
     heading = (Column("method", "Method", kind="text"), *columns, Column("faults", "Faults"))
     return write_table(path, heading, rows, title=name, caption=caption)
 
 
-def _mark(finding: Finding) -> str:
-    if finding.result != BREAKS:
-        return _WORDS[finding.result]
-    error = "∞" if finding.error is None else decimal(finding.error, 2)
-    return f"{error}!" if finding.failed else error
+def _mark(result: CheckResult) -> str:
+    if result.status != BREAKS:
+        return _WORDS[result.status]
+    error = "∞" if result.error is None else decimal(result.error, 2)
+    return f"{error}!" if result.failed else error
 
 
-def _list(findings: Sequence[Finding], out: Path) -> Artifact:
+def _list(checked: Sequence[CheckResult], out: Path) -> Artifact:
     columns = (
         Column("method", "Method", kind="text"),
         Column("check", "Check", kind="text"),
         Column("sentence", "What must hold", kind="text"),
-        Column("result", "Result", kind="text"),
+        Column("status", "Result", kind="text"),
         Column("promised", "Promised", kind="text"),
         Column("error", "Error"),
         Column("allowed", "allowed"),
@@ -89,17 +89,17 @@ def _list(findings: Sequence[Finding], out: Path) -> Artifact:
             f.method,
             f.check,
             f.sentence,
-            f.result,
+            f.status,
             "yes" if f.promised else "",
             f.error,
             f.allowed,
             "yes" if f.in_mean else "",
-            f.nan + f.inf + f.negative,
+            f.nonfinite.total,
             f.reason,
         )
-        for f in findings
+        for f in checked
     ]
     caption = "Every check of every variant; errors are the largest in any pixel, or of the mean."
     return write_table(
-        out / "stability.csv", columns, rows, title="All findings", caption=caption, collapsed=True
+        out / "stability.csv", columns, rows, title="All results", caption=caption, collapsed=True
     )
