@@ -1,7 +1,6 @@
 """Identities that must hold, and hard cases with known correct answers.
 
-The findings are those that 'oitbench stability' wrote to the folder of the results or to its folder
-'stability'.
+Needs the results of `oitbench stability`, in the results folder or its folder `stability`.
 """
 
 from __future__ import annotations
@@ -10,8 +9,8 @@ from collections.abc import Mapping, Sequence
 
 from oitbench.report import Artifact, Column, Note, ReportContext, decimal, write_table
 from oitbench.report.artifacts import Row
-from oitbench.stability import files
-from oitbench.stability.finding import BREAKS, DOES_NOT_APPLY, HOLDS, Finding
+from oitbench.stability import files, summary
+from oitbench.stability.result import BREAKS, DOES_NOT_APPLY, HOLDS, CheckResult
 
 title = "Stability"
 order = 60
@@ -21,7 +20,7 @@ _COLUMNS = (
     Column("method", "Method", kind="text"),
     Column("check", "Check", kind="text"),
     Column("sentence", "Requirement", kind="text"),
-    Column("result", "Result", kind="text"),
+    Column("status", "Result", kind="text"),
     Column("promised", "Promised", kind="text"),
     Column("error", "Error", help="largest in any pixel, or of the mean"),
     Column("allowed", "Allowed", help="largest error with which the check holds"),
@@ -32,20 +31,20 @@ _COLUMNS = (
 
 
 def build(context: ReportContext) -> list[Artifact]:
-    """Write a table of identities, one of hard cases, and one of every finding."""
+    """Write a table of identities, one of hard cases, and one of every result."""
     folder = context.results.folder
     places = (folder / "stability" / files.JSON, folder / files.JSON)
     path = next((place for place in places if place.is_file()), None)
     if path is None:
         return [Note(f"Not run yet; 'oitbench stability --out {places[0].parent}' adds it.")]
-    findings = files.read(path)
-    by_method = files.by_method(findings)
+    results = files.read(path)
+    by_method = summary.by_method(results)
     return [
         _matrix(
             context,
             "stability-identities.csv",
             "Identities",
-            {method: [f for f in own if f.identity] for method, own in by_method.items()},
+            {method: [r for r in own if r.identity] for method, own in by_method.items()},
             "✓: holds within the rounding of the method's formats. A number: the error of a check "
             "that does not hold. !: the method promises the identity. –: does not apply.",
         ),
@@ -53,11 +52,11 @@ def build(context: ReportContext) -> list[Artifact]:
             context,
             "stability-cases.csv",
             "Hard cases",
-            {method: [f for f in own if not f.identity] for method, own in by_method.items()},
+            {method: [r for r in own if not r.identity] for method, own in by_method.items()},
             "✓: within one step of an 8-bit display of the correct answer. A number: the error of "
             "a check that does not hold. Methods promise no hard cases.",
         ),
-        _list(context, findings),
+        _list(context, results),
     ]
 
 
@@ -65,15 +64,15 @@ def _matrix(
     context: ReportContext,
     file: str,
     name: str,
-    findings: Mapping[str, Sequence[Finding]],
+    results: Mapping[str, Sequence[CheckResult]],
     caption: str,
 ) -> Artifact:
     """Return a table with one row per method and one column per check."""
     rows: list[Row] = []
     columns: tuple[Column, ...] = ()
-    for method, own in findings.items():
-        columns = tuple(Column(f.check, f.check, kind="text", help=f.sentence) for f in own)
-        rows.append((method, *map(_mark, own), "; ".join(files.told_faults(own))))
+    for method, own in results.items():
+        columns = tuple(Column(r.check, r.check, kind="text", help=r.sentence) for r in own)
+        rows.append((method, *map(_mark, own), "; ".join(summary.faults(own))))
     heading = (
         Column("method", "Method", kind="text"),
         *columns,
@@ -82,34 +81,34 @@ def _matrix(
     return write_table(context.out / file, heading, rows, title=name, caption=caption)
 
 
-def _mark(finding: Finding) -> str:
-    if finding.result != BREAKS:
-        return _WORDS[finding.result]
-    error = "∞" if finding.error is None else decimal(finding.error, 2)
-    return f"{error}!" if finding.failed else error
+def _mark(result: CheckResult) -> str:
+    if result.status != BREAKS:
+        return _WORDS[result.status]
+    error = "∞" if result.error is None else decimal(result.error, 2)
+    return f"{error}!" if result.failed else error
 
 
-def _list(context: ReportContext, findings: Sequence[Finding]) -> Artifact:
+def _list(context: ReportContext, results: Sequence[CheckResult]) -> Artifact:
     rows = [
         (
-            finding.method,
-            finding.check,
-            finding.sentence,
-            finding.result,
-            "yes" if finding.promised else "",
-            finding.error,
-            finding.allowed,
-            "yes" if finding.in_mean else "",
-            finding.nan + finding.inf + finding.negative,
-            finding.reason,
+            result.method,
+            result.check,
+            result.sentence,
+            result.status,
+            "yes" if result.promised else "",
+            result.error,
+            result.allowed,
+            "yes" if result.in_mean else "",
+            result.nonfinite.total,
+            result.reason,
         )
-        for finding in findings
+        for result in results
     ]
     return write_table(
         context.out / "stability.csv",
         _COLUMNS,
         rows,
-        title="All findings",
+        title="All results",
         caption="Every check of every method.",
         collapsed=True,
     )

@@ -1,4 +1,4 @@
-"""`oitbench stability`: what methods promise, and what they survive."""
+"""`oitbench stability`: checks of promised identities, and hard cases."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import click
 from oitbench.cli import options
 
 _WIDTH = 120
-"""Columns of a terminal below which the table would be cut."""
+"""Smallest width of the table in characters, so that no label is cut."""
 
 
 @click.command()
@@ -18,54 +18,60 @@ _WIDTH = 120
     "--method",
     "methods",
     multiple=True,
-    help="NAME[param=v,w] or a method's folder; repeatable. All, with their grids, without.",
+    help="NAME, for all variants of the method; NAME[param=v,w], for these variants only; or a"
+    " method's folder. Repeatable. Default: all variants of all methods.",
 )
 @click.option(
     "--out",
     type=click.Path(file_okay=False, path_type=Path),
     default=Path("results") / "stability",
     show_default=True,
-    help="Where stability.json and stability.csv are written.",
+    help="Folder of stability.json and stability.csv.",
 )
-@click.option("--json", "as_json", is_flag=True, help="Print the findings for programs.")
+@click.option("--json", "as_json", is_flag=True, help="Print the content of stability.json.")
 @options.collections
 def command(
     methods: tuple[str, ...], out: Path, as_json: bool, collections: tuple[Path, ...]
 ) -> None:
-    """Hold methods to their promised identities and take them through hard cases.
+    """Check the identities that methods promise, and render hard cases.
 
-    A named method runs as it is named; a bare name stands for all of its variants. The exit code is
-    1 if a promise is broken, a pixel is NaN, infinite or negative, or a picture changes from one
-    run to the next.
+    Each check renders scenes with a known answer. The table counts the checks that hold, of those
+    that apply to the method. A hard case, or an identity that is not promised, may fail.
+
+    The exit code is 1 if a promise is broken, a shader fails, a pixel is NaN, infinite or negative,
+    or an image changes from one run to the next.
     """
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
 
     from oitbench.gl.device import Device
     from oitbench.plugins import Collection
-    from oitbench.stability import files, suite
+    from oitbench.results.schema import Renderer
+    from oitbench.stability import files, suite, summary
 
     collection = Collection.load(collections)
     bare = [text for text in methods if text in collection.methods]
     chosen = suite.variants(collection, bare if methods else list(collection.methods))
     chosen += collection.expand_methods(text for text in methods if text not in bare)
     chosen = list({method.label: method for method in chosen}.values())
-    device = Device()
-    console = Console(stderr=True)
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn())
-    with Progress(*columns, console=console, transient=True) as progress:
+    with (
+        Device() as device,
+        Progress(*columns, console=Console(stderr=True), transient=True) as progress,
+    ):
         task = progress.add_task("checks", total=len(suite.checks()) * len(chosen))
-        findings = suite.run(
-            device, collection, chosen, report=lambda finding: progress.advance(task)
+        results = suite.run(
+            device, collection, chosen, report=lambda result: progress.advance(task)
         )
-    facts = {"gl": {"renderer": device.renderer, "version": device.version}}
-    device.release()
-    files.write(out, findings, facts)
+        gl = Renderer(device.renderer, version=device.version, software=device.software)
+    files.write(out, results, gl)
     if as_json:
         click.echo((out / files.JSON).read_text(encoding="utf-8"), nl=False)
     else:
         terminal = Console()
         terminal.width = max(terminal.width, _WIDTH)
-        terminal.print(files.table(findings))
+        terminal.print(summary.table(results))
+        for line in summary.listing(results):
+            click.echo(line)
         click.echo(out / files.JSON)
-    sys.exit(1 if any(finding.failed for finding in findings) else 0)
+    sys.exit(1 if any(result.failed for result in results) else 0)

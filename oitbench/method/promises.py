@@ -14,7 +14,9 @@ PROMISES: Mapping[str, str] = {
     "opaque_unchanged": "without transparency the opaque picture stays bit for bit",
     "single_layer_exact": "one layer gives α·L + (1 − α)·C0",
     "colored_layer_exact": "one layer of colored glass gives α·L + τ·C0",
-    "equal_layers_exact": "N equal layers at N depths give L·(1 − (1 − α)^N) + C0·(1 − α)^N",
+    "equal_layers_exact": (
+        "N equal layers give L·(1 − (1 − α)^N) + C0·(1 − α)^N, at N depths and at a single one"
+    ),
     "order_independent": "random orders of the draws give one picture",
     "opaque_front_hides": "an opaque front layer hides everything behind it, in any order",
     "total_transmittance_exact": "black layers attenuate the background by Π(1 − α)",

@@ -1,1 +1,1 @@
-"""What methods promise and what they survive: identities and hard cases, rendered and judged."""
+"""The stability suite: promised identities and hard cases, rendered with each method."""

@@ -1,4 +1,4 @@
-"""What an experiment is: pictures to take, and what to hold against what."""
+"""A check: scenes to render with a method, and the images that are expected."""
 
 from __future__ import annotations
 
@@ -13,24 +13,25 @@ import numpy.typing as npt
 from oitbench.effects import Effect, names
 from oitbench.image.files import Image
 from oitbench.method.declaration import Method
+from oitbench.method.promises import PROMISES
 from oitbench.scene import Scene
 
 Values = npt.NDArray[Any]
 
 
 @dataclass(frozen=True, eq=False)
-class Picture:
-    """One picture to take of a scene.
+class Shot:
+    """One image to render of a scene.
 
     Parameters
     ----------
     scene : Scene
     size : (int, int), optional
-        Width and height in pixels; those of the scene's lists without.
+        Width and height in pixels. Default: those of the scene's fragment lists.
     permutation : int, optional
-        Seed that shuffles the draws.
+        Seed that shuffles the draws. Default: the order of submission.
     transmittance : bool
-        Show transmittance alone.
+        Render the total transmittance instead of the color.
     """
 
     scene: Scene
@@ -40,64 +41,75 @@ class Picture:
 
     @property
     def pixels(self) -> tuple[int, int]:
-        """Width and height."""
+        """Width and height.
+
+        Raises
+        ------
+        ValueError
+            The scene has no fragment lists, and no size is given.
+        """
         if self.size is not None:
             return self.size
         if self.scene.lists is None:
-            raise ValueError("a picture of a scene without lists needs a size")
+            raise ValueError(f"{self.scene.name}: a shot of a scene without lists needs a size")
         _, height, width = self.scene.lists.z.shape
         return width, height
 
-    def shares_frame(self, other: Picture) -> bool:
-        """Whether one frame can take both."""
-        return self.scene is other.scene and self.pixels == other.pixels
-
 
 @dataclass(frozen=True, eq=False)
-class Photo:
-    """What came of a picture: [h, w, 3], linear, top row first.
+class Rendering:
+    """The images of one shot, linear, top row first.
 
     Parameters
     ----------
-    image : array
-        The method's.
-    opaque : array
-        What lies behind all transparency.
-    exact : array or None
-        The exact truth's image, where it was asked for.
-    copies : int
-        Side of the square of pixels that repeats each pixel of the picture, for random methods.
+    color : array, shape (h, w, 4)
+        The method's image with its alpha channel.
+    opaque_color : array, shape (h, w, 4)
+        The opaque picture that the frame starts with.
+    exact : array, shape (h, w, 3), optional
+        The exact image, if the check needs it.
     """
 
-    image: Image
-    opaque: Image
+    color: Image
+    opaque_color: Image
     exact: Image | None = None
-    copies: int = 1
+
+    @property
+    def image(self) -> Image:
+        """The method's image, shape (h, w, 3)."""
+        return self.color[..., :3]
+
+    @property
+    def opaque(self) -> Image:
+        """The opaque picture, shape (h, w, 3)."""
+        return self.opaque_color[..., :3]
 
 
 class Bound(Enum):
-    """How large an error may be."""
+    """The largest error that an expectation allows."""
 
-    EQUAL = "not at all"
-    FORMATS = "the rounding of the method's formats"
-    DISPLAY = "one step of an 8-bit display of the brightest right value"
+    EQUAL = "none: every bit is equal"
+    TARGETS = "the rounding of the method's targets; both images show the same records"
+    FORMATS = "the rounding of the method's targets and records"
+    DISPLAY = "one step of an 8-bit display whose white is the brightest expected value"
 
 
 @dataclass(frozen=True, eq=False)
-class Comparison:
-    """Something found, and what it should be.
+class Expectation:
+    """Values that were measured, and the values that are right.
 
     Parameters
     ----------
-    found, expected : array, shape (h, w, 3)
-        `expected` may be smaller by a whole factor; it is then repeated.
+    found, expected : array, shape (h, w, c)
+        `expected` may be smaller by a whole factor along each of the first two axes; its values are
+        then repeated.
     layers : int
-        Fragments a pixel.
+        Fragments per pixel.
     bound : Bound
     noise : float
-        Standard error of `found`, where it is already a mean of random pixels.
+        Standard error of `found`, if it is already a mean of random pixels.
     slack : float
-        Error that the experiment itself brings, on top of the bound.
+        Error of the measurement itself, which is allowed on top of the bound.
     """
 
     found: Values
@@ -109,54 +121,72 @@ class Comparison:
 
     @property
     def magnitude(self) -> float:
-        """The largest right value, and one at least."""
+        """The largest expected value, and at least one."""
         return max(1.0, float(np.abs(self.expected).max()))
 
 
-Compare = Callable[[Sequence[Photo]], Iterable[Comparison]]
+Expect = Callable[[Sequence[Rendering]], Iterable[Expectation]]
+"""From the renderings of a check's shots to its expectations."""
 
 
-def _always(method: Method) -> str:
+def _no_exemption(method: Method) -> str:
     return ""
 
 
 @dataclass(frozen=True, eq=False)
 class Check:
-    """An identity that a method may promise, or a hard case with its right answer.
+    """An identity that a method may promise, or a hard case with a known answer.
+
+    `identity` makes a check of the first kind.
 
     Parameters
     ----------
-    id : str
-        "U1" … "U12" for identities; cases have a name.
+    name : str
+        For an identity, its key in `oitbench.method.promises.PROMISES`.
     sentence : str
-        What must hold.
-    pictures : tuple of Picture
-    compare : callable
-        From the photos to what must agree.
+        The statement that must hold.
+    shots : tuple of Shot
+    expect : callable
+        From the renderings of all shots, in order, to the expectations.
     needs : Effect
-        Does not apply to methods that cannot express these.
-    excuse : callable
-        From a method to the reason why the check does not apply to it, or "".
+        The check does not apply to methods that cannot express all of these effects.
+    exemption : callable
+        From a method to the reason why the check does not apply to it; "" if it applies.
     identity : bool
     exact : bool
-        Whether `compare` needs the exact truth's images.
+        Whether `expect` needs the exact images.
     repeat : bool
-        Whether each picture is taken twice, to see that nothing changes from run to run.
+        Whether each shot is rendered twice, to see whether the image changes.
     """
 
-    id: str
+    name: str
     sentence: str
-    pictures: tuple[Picture, ...]
-    compare: Compare
+    shots: tuple[Shot, ...]
+    expect: Expect
     needs: Effect = Effect.NONE
-    excuse: Callable[[Method], str] = _always
+    exemption: Callable[[Method], str] = _no_exemption
     identity: bool = False
     exact: bool = False
     repeat: bool = True
 
-    def reason_against(self, method: Method) -> str:
-        """Return why the check does not apply to `method`, or ""."""
+    def reason_to_skip(self, method: Method) -> str:
+        """Return why the check does not apply to `method`; "" if it applies."""
         missing = self.needs & ~method.shows
         if missing:
             return f"the method does not show {', '.join(names(missing)).lower()}"
-        return self.excuse(method)
+        return self.exemption(method)
+
+
+def identity(name: str, shots: Iterable[Shot], expect: Expect, **options: Any) -> Check:
+    """Return the check of the promise `name`; its sentence is that of the promise.
+
+    Parameters
+    ----------
+    name : str
+        Key of `oitbench.method.promises.PROMISES`.
+    shots : iterable of Shot
+    expect : callable
+    **options
+        Further parameters of `Check`.
+    """
+    return Check(name, PROMISES[name], tuple(shots), expect, identity=True, **options)

@@ -1,23 +1,22 @@
-"""The identities U1 to U12 that methods may promise in `holds`, as pictures and comparisons."""
+"""The identities that methods may promise, each with its scenes and its expected images.
+
+`oitbench.method.promises.PROMISES` states them in words.
+"""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from functools import cache
-from typing import Any
 
 import numpy as np
 
 from oitbench.effects import Effect
-from oitbench.image.files import box_downsample
 from oitbench.measure.oracle import composite, transmittances
 from oitbench.measure.visibility import curve_of, instrument
-from oitbench.method.declaration import Method
-from oitbench.modeling.mesh import grid, quad
+from oitbench.modeling.mesh import quad
 from oitbench.scene import BLACK, RGB, WHITE, Camera, FragmentLists, Material, Object, Scene
-from oitbench.stability.check import Bound, Check, Compare, Comparison, Photo, Picture
+from oitbench.stability.check import Bound, Check, Expectation, Rendering, Shot, Values, identity
 from oitbench.stability.layers import (
     BACKGROUND,
     BLUE,
@@ -29,232 +28,192 @@ from oitbench.stability.layers import (
     scene_of,
     stack,
 )
+from oitbench.stability.resolution import resolution_independent
 
 PERMUTATIONS = 16
-_MARGIN = 1.2
-"""How much larger than the view the wall of U12 is: bent rays shall end on it."""
-_CELLS = 8
-"""Columns of that wall; the valley is two cells wide, so that blurs of the suite's size fit in."""
-_MISPLACED = 1.0
-"""Pixels of the smaller picture by which rounding may move light: at most half a pixel in it and
-half one in the larger where a kernel begins, and a quarter of one where steps of offsets are half a
-pixel. What does not scale at all moves light by more: half of the blur's mean reach, or of the
-bend."""
+"""Random orders of the draws that are compared with the order of submission."""
 
 
 @cache
 def identities() -> tuple[Check, ...]:
-    """Return the identities in their order."""
+    """Return the identities in the order of `PROMISES`."""
     return (
-        _without_transparency(),
-        _truthful("single_layer_exact", "one layer gives αL + (1 − α)C0", random_lists(1)),
-        _truthful(
-            "colored_layer_exact",
-            "one layer of colored glass gives αL + τC0",
-            random_lists(1, tinted=True),
-            Effect.COLORED_TRANSMISSION,
+        _opaque_unchanged(),
+        _exact("single_layer_exact", random_lists(1)),
+        _exact(
+            "colored_layer_exact", random_lists(1, tinted=True), needs=Effect.COLORED_TRANSMISSION
         ),
-        _identical_layers(),
-        _permuted_draws(),
-        _opaque_front(),
-        _black_layers(),
-        _layers_without_coverage(),
+        _equal_layers_exact(),
+        _order_independent(),
+        _opaque_front_hides(),
+        _total_transmittance_exact(),
+        _zero_coverage_ignored(),
         _white_furnace(),
-        _swapped_depths(),
-        _scaled_radiance(),
-        _falling_visibility(),
-        _halved_resolution(),
+        _two_layers_ordered(),
+        _scales_with_radiance(),
+        _visibility_monotonic(),
+        resolution_independent(),
     )
 
 
-def _identity(id_: str, sentence: str, scenes: Sequence[Scene], compare: Compare) -> Check:
-    pictures = tuple(Picture(scene) for scene in scenes)
-    return Check(id_, sentence, pictures, compare, identity=True)
+def _exact(name: str, *lists: FragmentLists, needs: Effect = Effect.NONE) -> Check:
+    """Return the identity that a method composites all `lists` exactly."""
+    exact = [composite(item, BACKGROUND) for item in lists]
+
+    def expect(renderings: Sequence[Rendering]) -> Iterable[Expectation]:
+        for rendering, right, item in zip(renderings, exact, lists, strict=True):
+            yield Expectation(rendering.image, right, len(item.z))
+
+    return identity(name, (Shot(scene_of(item)) for item in lists), expect, needs=needs)
 
 
-def _truthful(id_: str, sentence: str, lists: FragmentLists, needs: Effect = Effect.NONE) -> Check:
-    expected = composite(lists, BACKGROUND)
-
-    def compare(photos: Sequence[Photo]) -> Iterable[Comparison]:
-        yield Comparison(photos[0].image, expected, len(lists.z))
-
-    return replace(_identity(id_, sentence, [scene_of(lists)], compare), needs=needs)
+def wall() -> Scene:
+    """Return an opaque wall that covers a part of the image, and nothing transparent."""
+    paint = Material(emission=BACKGROUND)
+    surface = Object("wall", quad((0, 0, -2), (0.5, 0, 0), (0, 0.5, 0)), paint)
+    return Scene("wall", Camera((0, 0, 0), (0, 0, -1)), (surface,), background=GREEN)
 
 
-def _without_transparency() -> Check:
-    wall = Object("wall", quad((0, 0, -2), (0.5, 0, 0), (0, 0.5, 0)), Material(emission=BACKGROUND))
-    scene = Scene("wall", Camera((0, 0, 0), (0, 0, -1)), (wall,), background=GREEN)
+def _opaque_unchanged() -> Check:
+    def expect(renderings: Sequence[Rendering]) -> Iterable[Expectation]:
+        (one,) = renderings
+        yield Expectation(one.color, one.opaque_color, bound=Bound.EQUAL)
 
-    def compare(photos: Sequence[Photo]) -> Iterable[Comparison]:
-        yield Comparison(photos[0].image, photos[0].opaque, bound=Bound.EQUAL)
-
-    sentence = "nothing transparent leaves the opaque picture as it is, bit for bit"
-    return Check(
-        "opaque_unchanged", sentence, (Picture(scene, (SIDE, SIDE)),), compare, identity=True
-    )
+    return identity("opaque_unchanged", (Shot(wall(), (SIDE, SIDE)),), expect)
 
 
-def _identical_layers() -> Check:
+def _equal_layers_exact() -> Check:
     count, coverage, radiance = 8, 0.3, (0.9, 0.5, 0.1)
-    layers = [Layer(z, coverage, radiance) for z in np.linspace(2, 5, count)]
+    apart = [Layer(z, coverage, radiance) for z in np.linspace(2, 5, count)]
+    coincident = [Layer(3.0, coverage, radiance)] * count
     passed = (1 - coverage) ** count
     expected = np.multiply(radiance, 1 - passed) + np.multiply(BACKGROUND, passed)
 
-    def compare(photos: Sequence[Photo]) -> Iterable[Comparison]:
-        yield Comparison(photos[0].image, expected[None, None], count)
+    def expect(renderings: Sequence[Rendering]) -> Iterable[Expectation]:
+        for rendering in renderings:
+            yield Expectation(rendering.image, expected[None, None], count)
 
-    sentence = "N equal layers at N depths give L(1 − (1 − α)^N) + C0(1 − α)^N"
-    return _identity("equal_layers_exact", sentence, [scene_of(stack(layers))], compare)
+    shots = (Shot(scene_of(stack(layers))) for layers in (apart, coincident))
+    return identity("equal_layers_exact", shots, expect)
 
 
-def _permuted_draws() -> Check:
+def _order_independent() -> Check:
     scene, count = scene_of(random_lists(10, tinted=True)), 10
-    pictures = [Picture(scene, permutation=seed) for seed in (None, *range(1, PERMUTATIONS + 1))]
 
-    def compare(photos: Sequence[Photo]) -> Iterable[Comparison]:
-        for photo in photos[1:]:
-            yield Comparison(photo.image, photos[0].image, count)
+    def expect(renderings: Sequence[Rendering]) -> Iterable[Expectation]:
+        first, *others = renderings
+        for other in others:
+            yield Expectation(other.image, first.image, count, Bound.TARGETS)
 
-    sentence = f"{PERMUTATIONS} random orders of the draws give one picture"
-    return Check("order_independent", sentence, tuple(pictures), compare, identity=True)
+    seeds = (None, *range(1, PERMUTATIONS + 1))
+    shots = (Shot(scene, permutation=seed) for seed in seeds)
+    return identity("order_independent", shots, expect)
 
 
-def _opaque_front() -> Check:
+def _opaque_front_hides() -> Check:
     front = Layer(1.0, 1.0, (0.75, 0.5, 0.25))
     behind = [Layer(3.0, 0.5), Layer(2.0, 0.9, GREEN), Layer(4.0, 1.0, BLUE)]
-    lists = [stack([*behind[:place], front, *behind[place:]]) for place in range(4)]
+    stacks = [[front], *([*behind[:place], front, *behind[place:]] for place in range(4))]
 
-    def compare(photos: Sequence[Photo]) -> Iterable[Comparison]:
-        for photo in photos:
-            yield Comparison(photo.image, np.array(front.radiance)[None, None], 4)
+    def expect(renderings: Sequence[Rendering]) -> Iterable[Expectation]:
+        alone, *others = renderings
+        yield Expectation(alone.image, np.array(front.radiance)[None, None])
+        for other in others:
+            yield Expectation(other.image, alone.image, bound=Bound.EQUAL)
 
-    sentence = "an opaque front layer hides all behind it, whenever it is drawn"
-    return _identity("opaque_front_hides", sentence, [scene_of(item) for item in lists], compare)
+    shots = (Shot(scene_of(stack(layers))) for layers in stacks)
+    return identity("opaque_front_hides", shots, expect)
 
 
-def _black_layers() -> Check:
+def _total_transmittance_exact() -> Check:
     lists = random_lists(6)
     lists = replace(lists, radiance=np.zeros_like(lists.radiance))
     expected = np.asarray(BACKGROUND) * transmittances(lists).prod(axis=0)
 
-    def compare(photos: Sequence[Photo]) -> Iterable[Comparison]:
-        yield Comparison(photos[0].image, expected, 6)
+    def expect(renderings: Sequence[Rendering]) -> Iterable[Expectation]:
+        yield Expectation(renderings[0].image, expected, len(lists.z))
 
-    sentence = "black layers attenuate the background by Π(1 − α)"
-    return _identity("total_transmittance_exact", sentence, [scene_of(lists)], compare)
+    return identity("total_transmittance_exact", (Shot(scene_of(lists)),), expect)
 
 
-def _layers_without_coverage() -> Check:
+def _zero_coverage_ignored() -> Check:
     some = [Layer(2.0, 0.4, RED), Layer(4.0, 0.6, GREEN)]
-    clear = [Layer(z, 0.0) for z in np.linspace(1.5, 5.0, 20)]
-    mixed = [clear[0], some[0], *clear[1:10], some[1], *clear[10:]]
-    scenes = [scene_of(stack(layers)) for layers in (mixed, some, clear)]
+    clear = [Layer(z, 0.0) for z in np.linspace(1.5, 5.0, 40)]
+    mixed = [clear[0], some[0], *clear[1:20], some[1], *clear[20:]]
 
-    def compare(photos: Sequence[Photo]) -> Iterable[Comparison]:
-        yield Comparison(photos[0].image, photos[1].image, bound=Bound.EQUAL)
-        yield Comparison(photos[2].image, photos[2].opaque, bound=Bound.EQUAL)
+    def expect(renderings: Sequence[Rendering]) -> Iterable[Expectation]:
+        with_clear, without_clear, only_clear = renderings
+        yield Expectation(with_clear.image, without_clear.image, bound=Bound.EQUAL)
+        yield Expectation(only_clear.image, only_clear.opaque, bound=Bound.EQUAL)
 
-    sentence = "layers with α = 0 change nothing, bit for bit"
-    return _identity("zero_coverage_ignored", sentence, scenes, compare)
+    shots = (Shot(scene_of(stack(layers))) for layers in (mixed, some, clear))
+    return identity("zero_coverage_ignored", shots, expect)
 
 
 def _white_furnace() -> Check:
     lists = random_lists(6)
     lists = replace(lists, radiance=np.ones_like(lists.radiance))
 
-    def compare(photos: Sequence[Photo]) -> Iterable[Comparison]:
-        yield Comparison(photos[0].image, np.ones((1, 1, 3)), 6)
+    def expect(renderings: Sequence[Rendering]) -> Iterable[Expectation]:
+        yield Expectation(renderings[0].image, np.ones((1, 1, 3)), len(lists.z))
 
-    sentence = "white layers before a white background vanish (white furnace)"
-    return _identity("white_furnace", sentence, [scene_of(lists, WHITE)], compare)
+    return identity("white_furnace", (Shot(scene_of(lists, WHITE)),), expect)
 
 
-def _swapped_depths() -> Check:
+def _two_layers_ordered() -> Check:
     near, far = Layer(2.0, 0.5, RED), Layer(4.0, 0.5, BLUE)
-    pair = stack([near, far]), stack([replace(near, z=far.z), replace(far, z=near.z)])
-
-    def compare(photos: Sequence[Photo]) -> Iterable[Comparison]:
-        for photo, lists in zip(photos, pair, strict=True):
-            yield Comparison(photo.image, composite(lists, BACKGROUND), 2)
-
-    sentence = "two layers that swap depths swap their shares, the draws as before"
-    return _identity("two_layers_ordered", sentence, [scene_of(lists) for lists in pair], compare)
+    swapped = [replace(near, z=far.z), replace(far, z=near.z)]
+    return _exact("two_layers_ordered", stack([near, far]), stack(swapped))
 
 
-def _scaled_radiance() -> Check:
+def _scales_with_radiance() -> Check:
     lists, factor = random_lists(4), 3.0
     brighter = replace(lists, radiance=lists.radiance * np.float32(factor))
     red, green, blue = BACKGROUND
     background: RGB = (red * factor, green * factor, blue * factor)
 
-    def compare(photos: Sequence[Photo]) -> Iterable[Comparison]:
-        yield Comparison(photos[1].image / factor, photos[0].image, 8)
+    def expect(renderings: Sequence[Rendering]) -> Iterable[Expectation]:
+        dim, bright = renderings
+        # Both images are rounded: twice the layers.
+        yield Expectation(bright.image / factor, dim.image, 2 * len(lists.z))
 
-    sentence = f"radiance times {factor:g} everywhere gives the picture times {factor:g}"
-    return _identity(
-        "scales_with_radiance", sentence, [scene_of(lists), scene_of(brighter, background)], compare
-    )
+    shots = (Shot(scene_of(lists)), Shot(scene_of(brighter, background)))
+    return identity("scales_with_radiance", shots, expect)
 
 
-def _falling_visibility() -> Check:
-    # Rows repeat the measurement, for methods whose pixels are random.
+def _visibility_monotonic() -> Check:
+    """Measure the visibility of six layers, and that of a probe which attenuates nothing."""
     depths = (2.0, 2.5, 3.0, 3.5, 4.5, 5.5)
-    black = stack([Layer(z, 0.35, BLACK) for z in depths], 1, 1)
-    scene = scene_of(instrument(black, rows=SIDE), BLACK)
+    layers = stack([Layer(z, 0.35, BLACK) for z in depths], 1)
 
-    def compare(photos: Sequence[Photo]) -> Iterable[Comparison]:
-        values, noise = curve_of(photos[0].image, len(depths))
-        falling = np.minimum.accumulate(np.clip(values, 0, 1), axis=0)
-        yield Comparison(values[None], falling[None], len(depths), noise=2 * float(noise.max()))
+    def expect(renderings: Sequence[Rendering]) -> Iterable[Expectation]:
+        # Rows repeat the measurement for methods with random pixels.
+        values, noise = curve_of(renderings[0].image, len(depths))
+        yield Expectation(
+            values[None], _falling(values)[None], len(depths), noise=2 * float(noise.max())
+        )
+        values, noise = curve_of(renderings[1].image.swapaxes(0, 1), SIDE)
+        yield Expectation(
+            values[None], _falling(values)[None], bound=Bound.EQUAL, noise=2 * float(noise.max())
+        )
 
-    sentence = "visibility lies in [0, 1] and never rises with depth"
-    return _identity("visibility_monotonic", sentence, [scene], compare)
+    scenes = (scene_of(lists, BLACK) for lists in (instrument(layers, rows=SIDE), probed_layers()))
+    return identity("visibility_monotonic", map(Shot, scenes), expect)
 
 
-def _halved_resolution() -> Check:
-    """Bend, blur, and do both, before a wall with a dark valley of constant slopes.
+def probed_layers() -> FragmentLists:
+    """Return black layers, two of them coincident, and a clear probe of radiance 1.
 
-    An error of a pixel in position or width then changes the picture by one slope at most.
+    The probe lies 1 m away in the top row and 6 m away in the bottom row; its radiance in the image
+    is its visibility.
     """
-    width, height = 64, 48
-    frosted, bending = {"collimation": 0.1}, {"index": 1.5, "solid": True}
-    scenes = [
-        _before_valley(width / height, **kind) for kind in (bending, frosted, frosted | bending)
-    ]
-    slope = _CELLS / (_MARGIN * width)
-
-    def compare(photos: Sequence[Photo]) -> Iterable[Comparison]:
-        for large, small in zip(photos[1::2], photos[::2], strict=True):
-            halved = box_downsample(large.image, 2)
-            yield Comparison(halved, small.image, slack=_MISPLACED * slope)
-
-    pictures = [Picture(scene, (k * width, k * height)) for scene in scenes for k in (1, 2)]
-    sentence = "halving the resolution halves refraction and diffusion in pixels"
-    return Check(
-        "resolution_independent",
-        sentence,
-        tuple(pictures),
-        compare,
-        excuse=_without_refraction,
-        identity=True,
-    )
+    probe = Layer(1.0, 1.0, WHITE, WHITE)
+    lists = stack([probe, *(Layer(z, 0.35, BLACK) for z in (2.0, 3.0, 3.0, 4.5, 5.5))])
+    lists.z[0] = np.linspace(1.0, 6.0, SIDE, dtype=np.float32)[:, None]
+    return lists
 
 
-def _before_valley(aspect: float, **kind: Any) -> Scene:
-    """Return a turned sheet before a wall that is white but for a valley, black in the middle."""
-    angle, tilt, near, far = math.radians(40), 0.3, 1.6, 4.0
-    half = _MARGIN * far * math.tan(angle / 2)
-    wall = grid((0, 0, -far), (half * aspect, 0, 0), (0, half, 0), columns=_CELLS)
-    slope = _CELLS / (2 * half * aspect)
-    rising = np.minimum(slope * np.abs(wall.positions[:, :1]), np.float32(1))
-    wall = replace(wall, radiance=np.repeat(rising, 3, axis=1))
-    right = (far * math.cos(tilt), 0.0, far * math.sin(tilt))
-    sheet = quad((0, 0, -near), right, (0, far, 0))
-    glass = Material(transmission=WHITE, specular=0.0, **kind)
-    objects = (Object("wall", wall, Material(emission=WHITE)), Object("sheet", sheet, glass))
-    return Scene("valley", Camera((0, 0, 0), (0, 0, -1), fov_y=angle), objects)
-
-
-def _without_refraction(method: Method) -> str:
-    shown = method.expresses & (Effect.REFRACTION | Effect.DIFFUSION)
-    return "" if shown else "the method shows neither refraction nor diffusion"
+def _falling(values: Values) -> Values:
+    """Return the values clipped to [0, 1] and limited to the smallest one at smaller depths."""
+    falling: Values = np.minimum.accumulate(np.clip(values, 0, 1), axis=0)
+    return falling

@@ -1,4 +1,4 @@
-"""Fragment lists for experiments: few layers, the same in every pixel or one list a column."""
+"""Fragment lists for experiments: the same list in all pixels, one per column, or random ones."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from oitbench.scene import BLACK, RGB, WHITE, Camera, FragmentLists, Scene
 
 Array32 = npt.NDArray[np.float32]
 SIDE = 16
-"""Width and height in pixels of lists that say nothing else."""
+"""Default width and height of fragment lists, in pixels."""
 BACKGROUND: RGB = (0.35, 0.6, 0.85)
 RED: RGB = (1.0, 0.0, 0.0)
 GREEN: RGB = (0.0, 1.0, 0.0)
@@ -22,7 +22,15 @@ BLUE: RGB = (0.0, 0.0, 1.0)
 
 @dataclass(frozen=True)
 class Layer:
-    """One fragment: view distance in metres, coverage, radiance, transmission."""
+    """One fragment.
+
+    Parameters
+    ----------
+    z : float
+        View distance in meters.
+    coverage : float
+    radiance, transmission : RGB
+    """
 
     z: float
     coverage: float
@@ -30,9 +38,17 @@ class Layer:
     transmission: RGB = BLACK
 
 
-def stack(layers: Sequence[Layer], width: int = SIDE, height: int = SIDE) -> FragmentLists:
-    """Return the same list in every pixel, submitted in the order given."""
-    shape = (len(layers), height, width)
+def stack(layers: Sequence[Layer], side: int = SIDE) -> FragmentLists:
+    """Return lists with the same fragments in every pixel.
+
+    Parameters
+    ----------
+    layers : sequence of Layer
+        In order of submission.
+    side : int
+        Width and height in pixels.
+    """
+    shape = (len(layers), side, side)
 
     def spread(values: Sequence[Any]) -> Array32:
         rows = np.asarray(values, dtype=np.float32)
@@ -47,8 +63,8 @@ def stack(layers: Sequence[Layer], width: int = SIDE, height: int = SIDE) -> Fra
 
 
 def columns(lists: Sequence[Sequence[Layer]]) -> FragmentLists:
-    """Return one row of pixels, the i-th of which holds the i-th list; all are of one length."""
-    parts = [stack(layers, 1, 1) for layers in lists]
+    """Return one row of pixels; pixel i has the fragments of `lists[i]`, which are equally many."""
+    parts = [stack(layers, 1) for layers in lists]
     return FragmentLists(
         *(
             np.concatenate([getattr(part, name) for part in parts], axis=2)
@@ -57,10 +73,23 @@ def columns(lists: Sequence[Sequence[Layer]]) -> FragmentLists:
     )
 
 
-def random_lists(count: int, tinted: bool = False, seed: int = 1) -> FragmentLists:
-    """Return planes at distinct distances, in random order, of random content in every pixel."""
+def random_lists(
+    count: int, tinted: bool = False, seed: int = 1, side: int = SIDE
+) -> FragmentLists:
+    """Return parallel planes with random values in every pixel.
+
+    Parameters
+    ----------
+    count : int
+        Planes, at distinct distances from 2 m to 6 m, submitted in random order.
+    tinted : bool
+        Draw transmissions from [0, 1). If false, they are zero.
+    seed : int
+    side : int
+        Width and height in pixels.
+    """
     random = np.random.default_rng(seed)
-    shape = (count, SIDE, SIDE)
+    shape = (count, side, side)
     planes = random.permutation(np.linspace(2, 6, count, dtype=np.float32))
     z = np.broadcast_to(planes[:, None, None], shape).copy()
     transmission = np.zeros((*shape, 3), dtype=np.float32)
@@ -75,6 +104,6 @@ def random_lists(count: int, tinted: bool = False, seed: int = 1) -> FragmentLis
 
 
 def scene_of(lists: FragmentLists, background: RGB = BACKGROUND, near: float = 0.1) -> Scene:
-    """Return a scene of nothing but `lists`; window depth is 1 − `near`/z."""
+    """Return a scene that consists of `lists`; the window depth of a fragment is 1 − `near`/z."""
     camera = Camera(position=(0, 0, 0), target=(0, 0, -1), near=near)
     return Scene("lists", camera, lists=lists, background=background)

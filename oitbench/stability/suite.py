@@ -1,35 +1,32 @@
-"""Runs every check on every method, and judges what comes out."""
+"""Runs the checks on methods and judges the images."""
 
 from __future__ import annotations
 
 import math
-from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
 from oitbench import parameters as selector
 from oitbench.errors import CapabilityError, OitbenchError
 from oitbench.gl.device import Device
-from oitbench.gl.frame import Frame
-from oitbench.gl.uploaded_scene import UploadedScene
 from oitbench.image import metrics
 from oitbench.image.files import Image
 from oitbench.method.declaration import Method
 from oitbench.parameters import AnyParameter
 from oitbench.plugins import Collection
+from oitbench.results.schema import Nonfinite
 from oitbench.stability.cases import cases
-from oitbench.stability.check import Bound, Check, Comparison, Photo, Picture, Values
-from oitbench.stability.finding import BREAKS, DOES_NOT_APPLY, HOLDS, Finding
+from oitbench.stability.check import Check, Rendering
 from oitbench.stability.identities import identities
-from oitbench.stability.tolerance import allowed
+from oitbench.stability.judge import judge
+from oitbench.stability.render import UploadedScenes
+from oitbench.stability.result import BREAKS, DOES_NOT_APPLY, HOLDS, CheckResult
 
 PRECISION_AXES = ("precision", "node", "count")
-"""Parameters that choose number formats: all of their choices are run."""
-_RANDOM_PIXELS = 1024
-_SIGMAS = 4.0
-_DISPLAY_STEP = 1 / 255
+"""Parameters that choose number formats; all of their choices are run."""
 
 
 def checks() -> tuple[Check, ...]:
@@ -40,16 +37,24 @@ def checks() -> tuple[Check, ...]:
 def variants(collection: Collection, names: Iterable[str]) -> list[Method]:
     """Return the variants of methods that the suite runs.
 
-    These are all combinations of the parameters' grids, as in the larger presets, and every choice
-    of a parameter of `PRECISION_AXES` with all else at its default.
+    These are all combinations of the grids of a method's parameters, as in the larger presets of
+    `oitbench run`, and every choice of each parameter in `PRECISION_AXES` with the defaults of all
+    other parameters.
+
+    Parameters
+    ----------
+    collection : Collection
+    names : iterable of str
+        Bare names of methods.
     """
     texts = []
     for name in names:
         parameters = collection.methods[name].parameters
         grid = {key: item.grid for key, item in parameters.items() if item.grid}
         texts.append(_text(name, grid))
-        for key in set(PRECISION_AXES) & set(parameters):
-            texts.append(_text(name, {key: _choices(parameters[key])}))
+        for key in PRECISION_AXES:
+            if key in parameters:
+                texts.append(_text(name, {key: _choices(parameters[key])}))
     return collection.expand_methods(texts)
 
 
@@ -58,22 +63,37 @@ def run(
     collection: Collection,
     methods: Sequence[Method],
     chosen: Sequence[Check] = (),
-    report: Callable[[Finding], None] = lambda finding: None,
-) -> list[Finding]:
-    """Run checks on methods; all checks without `chosen`.
+    report: Callable[[CheckResult], None] = lambda result: None,
+) -> list[CheckResult]:
+    """Run checks on methods.
+
+    Parameters
+    ----------
+    device : Device
+    collection : Collection
+        Provides the exact method.
+    methods : sequence of Method
+    chosen : sequence of Check
+        Default: all checks.
+    report : callable
+        Receives each result as soon as it exists.
 
     Returns
     -------
-    list of Finding
-        By method in the order given, then by check.
+    list of CheckResult
+        By method in the given order, then by check.
     """
-    found = []
+    results = []
     for check in chosen or checks():
-        for finding in _run_check(device, collection, methods, check):
-            found.append(finding)
-            report(finding)
+        with UploadedScenes(device, check.shots) as scenes:
+            exact: list[Image | None] = [None] * len(check.shots)
+            if check.exact:
+                exact = [one.image for (one,) in scenes.render(collection.truth(), check.shots)]
+            for method in methods:
+                results.append(_examine(scenes, method, check, exact))
+                report(results[-1])
     order = {method.label: place for place, method in enumerate(methods)}
-    return sorted(found, key=lambda finding: order[finding.method])
+    return sorted(results, key=lambda result: order[result.method])
 
 
 def _choices(parameter: AnyParameter) -> tuple[selector.Value, ...]:
@@ -85,159 +105,52 @@ def _text(name: str, grid: dict[str, tuple[selector.Value, ...]]) -> str:
     return f"{name}[{','.join(axes)}]" if axes else name
 
 
-def _run_check(
-    device: Device, collection: Collection, methods: Sequence[Method], check: Check
-) -> Iterator[Finding]:
-    scenes = {id(picture.scene): picture.scene for picture in check.pictures}
-    geometries = {key: UploadedScene(device, scene) for key, scene in scenes.items()}
-    darkroom = _Darkroom(device, geometries)
-    exact: list[Image | None] = [None] * len(check.pictures)
-    if check.exact:
-        exact = [taken[0].image for taken in darkroom.take(collection.truth(), check.pictures)]
-    for method in methods:
-        yield _examine(darkroom, method, check, exact)
-    darkroom.release()
-
-
-class _Darkroom:
-    """Takes pictures of the scenes of one check; all methods share its geometries."""
-
-    def __init__(self, device: Device, geometries: dict[int, UploadedScene]) -> None:
-        self.device, self.geometries = device, geometries
-
-    def take(
-        self, method: Method, pictures: Sequence[Picture], times: int = 1
-    ) -> Iterator[list[Photo]]:
-        """Yield the photos of each picture, taken several times in a row."""
-        frame: Frame | None = None
-        shown: Picture | None = None
-        try:
-            for picture in pictures:
-                copies = _copies(method, picture)
-                if frame is None or shown is None or not shown.shares_frame(picture):
-                    if frame is not None:
-                        frame.release()
-                    frame, shown = self._frame(method, picture, copies), picture
-                photos = []
-                for _ in range(times):
-                    frame.render(picture.transmittance, picture.permutation)
-                    opaque = frame.read("opaque_color")[..., :3]
-                    photos.append(Photo(frame.image(), opaque, copies=copies))
-                yield photos
-        finally:
-            if frame is not None:
-                frame.release()
-
-    def _frame(self, method: Method, picture: Picture, copies: int) -> Frame:
-        width, height = picture.pixels
-        effects = picture.scene.effects & method.shows
-        geometry = self.geometries[id(picture.scene)]
-        return Frame(geometry, method, (width * copies, height * copies), effects)
-
-    def release(self) -> None:
-        for geometry in self.geometries.values():
-            geometry.release()
-
-
 def _examine(
-    darkroom: _Darkroom, method: Method, check: Check, exact: Sequence[Image | None]
-) -> Finding:
-    """Take a check's pictures with one method and judge them."""
-    promised = check.identity and check.id in method.promised
-    head = (method.label, method.name, check.id, check.sentence, check.identity)
-    reason = check.reason_against(method)
+    scenes: UploadedScenes, method: Method, check: Check, exact: Sequence[Image | None]
+) -> CheckResult:
+    """Render the shots of a check with one method and judge the images."""
+    result = partial(
+        CheckResult,
+        method.label,
+        method.name,
+        check.name,
+        check.sentence,
+        check.identity,
+        check.identity and check.name in method.promised,
+    )
+    reason = check.reason_to_skip(method)
     if reason:
-        return Finding(*head, DOES_NOT_APPLY, promised, reason=reason)
-    photos: list[Photo] = []
-    bad: Counter[str] = Counter()
-    repeatable = True
+        return result(DOES_NOT_APPLY, reason=reason)
     try:
-        series = darkroom.take(method, check.pictures, 2 if check.repeat else 1)
-        for taken, truth in zip(series, exact, strict=True):
-            first, again = taken[0], taken[-1]
-            repeatable = repeatable and np.array_equal(first.image, again.image, equal_nan=True)
-            bad.update(metrics.count_nonfinite(first.image))
-            photos.append(replace(first, exact=truth))
+        renderings = scenes.render(method, check.shots, times=2 if check.repeat else 1)
     except CapabilityError as error:
-        return Finding(*head, DOES_NOT_APPLY, promised, reason=str(error))
+        return result(DOES_NOT_APPLY, reason=str(error))
     except OitbenchError as error:
-        return Finding(*head, BREAKS, promised, reason=str(error))
-    verdicts = [_judge(method, comparison) for comparison in check.compare(photos)]
-    worst = max(verdicts, key=lambda verdict: verdict.excess)
-    return Finding(
-        *head,
-        HOLDS if all(verdict.holds for verdict in verdicts) else BREAKS,
-        promised,
-        any(verdict.in_mean for verdict in verdicts),
-        _finite(worst.error),
-        _finite(worst.allowed),
-        nan=bad["nan"],
-        inf=bad["inf"],
-        negative=bad["negative"],
-        signed=method.may_be_negative,
-        repeatable=repeatable,
+        return result(BREAKS, reason=str(error))
+    first = [replace(one, exact=right) for (one, *_), right in zip(renderings, exact, strict=True)]
+    deviations = [judge(method, expectation) for expectation in check.expect(first)]
+    worst = max(deviations, key=lambda deviation: deviation.excess)
+    return result(
+        HOLDS if all(deviation.holds for deviation in deviations) else BREAKS,
+        error=_finite(worst.error),
+        allowed=_finite(worst.allowed),
+        in_mean=any(deviation.in_mean for deviation in deviations),
+        nonfinite=_nonfinite(first),
+        may_be_negative=method.may_be_negative,
+        repeatable=all(_repeats(taken) for taken in renderings),
     )
 
 
-def _copies(method: Method, picture: Picture) -> int:
-    """Return how often each pixel of lists is repeated in a row and in a column."""
-    if not method.noisy or picture.scene.lists is None:
-        return 1
-    width, height = picture.pixels
-    return math.ceil(math.sqrt(_RANDOM_PIXELS / (width * height)))
+def _nonfinite(renderings: Sequence[Rendering]) -> Nonfinite:
+    """Return the number of invalid pixels of all images."""
+    counts = [metrics.count_nonfinite(rendering.image) for rendering in renderings]
+    return Nonfinite(**{key: sum(count[key] for count in counts) for key in counts[0]})
 
 
-@dataclass(frozen=True)
-class _Verdict:
-    error: float
-    allowed: float
-    in_mean: bool = False
-
-    @property
-    def holds(self) -> bool:
-        # Written so that NaN breaks.
-        return self.error <= self.allowed
-
-    @property
-    def excess(self) -> float:
-        """How far beyond the bound, for finding the worst; NaN counts as worst of all."""
-        ratio = self.error / self.allowed if self.allowed else self.error * math.inf
-        return (
-            ratio if self.error and not math.isnan(ratio) else (0.0 if not self.error else math.inf)
-        )
-
-
-def _judge(method: Method, comparison: Comparison) -> _Verdict:
-    """Hold one comparison to its bound: in each pixel, or in the mean if the method is random."""
-    bound = _bound(method, comparison) + comparison.slack
-    residual = _residual(comparison)
-    error = float(np.abs(residual).max())
-    noise = _SIGMAS * comparison.noise
-    if not method.noisy or error <= bound or not np.isfinite(residual).all():
-        return _Verdict(error, bound + noise, noise > 0)
-    flat = residual.reshape(-1, residual.shape[-1])
-    if comparison.noise:
-        return _Verdict(error, bound + noise, in_mean=True)
-    mean, deviation = np.abs(flat.mean(axis=0)), flat.std(axis=0)
-    limits = bound + _SIGMAS * deviation / math.sqrt(len(flat))
-    channel = int(np.argmax(mean - limits))
-    return _Verdict(float(mean[channel]), float(limits[channel]), in_mean=True)
-
-
-def _bound(method: Method, comparison: Comparison) -> float:
-    if comparison.bound is Bound.EQUAL:
-        return 0.0
-    if comparison.bound is Bound.DISPLAY:
-        return _DISPLAY_STEP * comparison.magnitude
-    return allowed(method, comparison.layers, comparison.magnitude)
-
-
-def _residual(comparison: Comparison) -> Values:
-    """Return found − expected, with `expected` repeated to the size of what was found."""
-    found, expected = (np.asarray(a, np.float64) for a in (comparison.found, comparison.expected))
-    for axis in (0, 1):
-        expected = np.repeat(expected, found.shape[axis] // expected.shape[axis], axis=axis)
-    return found - expected
+def _repeats(taken: Sequence[Rendering]) -> bool:
+    """Return whether all images of one shot are equal in every bit."""
+    first, *others = (rendering.image for rendering in taken)
+    return all(np.array_equal(first, other, equal_nan=True) for other in others)
 
 
 def _finite(value: float) -> float | None:

@@ -27,7 +27,7 @@ LAYERS = [Layer(4, 0.5, RED), Layer(2, 0.25, BLUE), Layer(3, 0.5, GREEN, (0.5, 0
 
 
 def one_pixel(*layers: Layer) -> FragmentLists:
-    return stack(layers, 1, 1)
+    return stack(layers, 1)
 
 
 @pytest.mark.parametrize("pixel", [(48, 40), (40, 30), (57, 50)])

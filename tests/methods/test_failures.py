@@ -1,4 +1,4 @@
-"""The failures that methods own up to are there, and as large as their formulas say."""
+"""Known failures of methods are as large as their formulas predict."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ NEAR = 0.1
 
 
 def weight(equation: int, z: float) -> float:
-    """Return the factor on o of McGuire & Bavoil 2013, eq. 7 to 10, at z metres."""
+    """Return McGuire & Bavoil 2013, equations 7 to 10, divided by the net opacity; z in meters."""
     if equation == 10:
         return max(1e-2, 3e3 * (NEAR / z) ** 3)
     bare = {
@@ -47,7 +47,7 @@ def test_weighted_blending_leaks_through_an_opaque_front(
     device: Device, equation: int, measured: float
 ) -> None:
     chosen = method(f"weighted_blended[weight={equation}]")
-    assert "U5" not in chosen.holds
+    assert "opaque_front_hides" not in chosen.promised
     front, behind = Layer(1.0, 1.0, RED), Layer(2.0, 0.5, GREEN)
     red, green, blue = render(device, stack([front, behind]), chosen)[0, 0]
     near, far = weight(equation, front.z), 0.5**2 * weight(equation, behind.z)
@@ -55,7 +55,7 @@ def test_weighted_blending_leaks_through_an_opaque_front(
     assert green == pytest.approx(leak, rel=4e-3)
     assert green == pytest.approx(measured, abs=1e-3)
     assert red == pytest.approx(1 - leak, rel=4e-3)
-    # The background at least is hidden.
+    # The background is hidden.
     assert blue == 0
 
 
@@ -74,14 +74,6 @@ def test_weighted_blending_is_the_weighted_mean_of_its_formula(
     np.testing.assert_allclose(found, expected, rtol=0, atol=rounding(chosen, 5, 1.0))
 
 
-def test_a_half_float_sum_of_bright_near_layers_saturates(device: Device) -> None:
-    # At w = 3000 and L = 2 the sum of color passes 65504 after eleven layers, its weight does not.
-    layers = [Layer(0.1001, 1.0, (2.0, 2.0, 2.0))] * 16
-    found = render(device, stack(layers), "weighted_blended")
-    assert np.isfinite(found).all()
-    assert found.max() == pytest.approx(65504 / (16 * 3e3), rel=0.01)
-
-
 def test_alpha_blending_depends_on_the_order_of_draws(device: Device) -> None:
     near, far = Layer(2.0, 0.5, RED), Layer(4.0, 0.5, BLUE)
     right = render(device, stack([far, near]), "alpha_blend")
@@ -94,7 +86,7 @@ def test_alpha_blending_depends_on_the_order_of_draws(device: Device) -> None:
 def test_scalar_methods_turn_colored_glass_grey(device: Device, name: str) -> None:
     glass = Layer(2.0, 1.0, NOTHING, transmission=(0.9, 0.6, 0.0))
     found = render(device, scene_of(stack([glass]), WHITE), name)
-    assert "U2c" not in method(name).holds
+    assert "colored_layer_exact" not in method(name).promised
     assert found[0, 0] == pytest.approx([0.5, 0.5, 0.5], abs=4e-3)
 
 

@@ -1,0 +1,116 @@
+"""The results in words and counts, by method."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from typing import TYPE_CHECKING
+
+from oitbench.stability.result import HOLDS, CheckResult
+
+if TYPE_CHECKING:
+    from rich.table import Table
+    from rich.text import Text
+
+
+def by_method(results: Iterable[CheckResult]) -> dict[str, list[CheckResult]]:
+    """Return the results of each variant by its label, in order of first appearance."""
+    found: dict[str, list[CheckResult]] = {}
+    for result in results:
+        found.setdefault(result.method, []).append(result)
+    return found
+
+
+def table(results: Iterable[CheckResult]) -> Table:
+    """Return a table for the terminal with one row per variant.
+
+    Each cell states how many checks hold, of those that apply.
+    """
+    from rich.table import Table
+    from rich.text import Text
+
+    headings = ("Method", "Promises kept", "Other identities held", "Hard cases held", "Faults")
+    shown = Table(*headings, title="Stability")
+    shown.columns[0].no_wrap = True
+    for column in shown.columns[1:]:
+        column.justify = "right"
+    for method, own in by_method(results).items():
+        identities = [result for result in own if result.identity]
+        count = sum(result.failed for result in own)
+        shown.add_row(
+            Text(method),
+            _held(result for result in identities if result.promised),
+            _held(result for result in identities if not result.promised),
+            _held(result for result in own if not result.identity),
+            Text(str(count), style="bold red" if count else ""),
+        )
+    return shown
+
+
+def _held(results: Iterable[CheckResult]) -> Text:
+    from rich.text import Text
+
+    relevant = [result for result in results if result.applies]
+    if not relevant:
+        return Text("–")
+    held = sum(result.status == HOLDS for result in relevant)
+    broken = any(result.promise_broken for result in relevant)
+    return Text(f"{held} of {len(relevant)}", style="bold red" if broken else "")
+
+
+def listing(results: Iterable[CheckResult]) -> list[str]:
+    """Return one line for each fault, then one for each variant that did not run at all."""
+    own = by_method(results)
+    faulty = [f"{method}: {fault}" for method, its in own.items() for fault in faults(its)]
+    return faulty + [
+        f"{method}: not run: {_reason(its)}"
+        for method, its in own.items()
+        if not any(result.applies for result in its)
+    ]
+
+
+def _reason(results: Sequence[CheckResult]) -> str:
+    """Return why none of the checks applies: the most frequent reason, without the label."""
+    reasons = [result.reason.removeprefix(f"{result.method}: ") for result in results]
+    return max(reasons, key=reasons.count)
+
+
+def faults(results: Sequence[CheckResult]) -> list[str]:
+    """Return the faults of a variant in words.
+
+    These are broken promises, checks without an image, invalid pixels, and images that change
+    between two runs.
+    """
+    found = [
+        f"breaks {result.check} ({_error(result)})"
+        for result in results
+        if result.promise_broken and not result.reason
+    ]
+    without_image: dict[str, list[str]] = {}
+    for result in results:
+        if result.applies and result.reason:
+            without_image.setdefault(result.reason, []).append(result.check)
+    for reason, names in without_image.items():
+        where = names[0] if len(names) == 1 else f"{len(names)} checks"
+        found.append(f"no image for {where}: {reason}")
+    for result in results:
+        found += [f"{result.check}: {text}" for text in _instabilities(result)]
+    return found
+
+
+def _error(result: CheckResult) -> str:
+    if result.error is None:
+        return "the error is not finite"
+    return f"error {result.error:.2g}, allowed {result.allowed:.2g}"
+
+
+def _instabilities(result: CheckResult) -> Iterator[str]:
+    counts = {
+        "NaN": result.nonfinite.nan,
+        "infinite": result.nonfinite.inf,
+        "negative": 0 if result.may_be_negative else result.nonfinite.negative,
+    }
+    for kind, count in counts.items():
+        if count:
+            yield f"{count} {kind} pixel{'s' if count > 1 else ''}"
+    if not result.repeatable:
+        yield "the image changes between runs"
