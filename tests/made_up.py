@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -9,6 +10,8 @@ import msgspec
 
 from oitbench.image import metrics
 from oitbench.results.schema import (
+    EXACT,
+    PATH_TRACED,
     EffectNames,
     Interval,
     Memory,
@@ -36,11 +39,11 @@ VALUES: dict[str, float | None] = {
 }
 
 
-def record(method: str = "mean", scene: str = "glass[count=4]", **fields: Any) -> Record:
-    """Return the record of a cell that succeeded; `fields` replace fields of it."""
-    outcome = Outcome(
+def outcome_of(scores: dict[str, Scores], images: dict[str, str]) -> Outcome:
+    """Return the outcome of a frame of two targets."""
+    return Outcome(
         parameters={},
-        effects=EffectNames(["COVERAGE", "REFRACTION"], ["COVERAGE"], []),
+        effects=EffectNames(["COVERAGE"], [], ["COVERAGE"]),
         fragments=10_000,
         max_depth_complexity=4,
         passes=[PassRuns("peel", 8), PassRuns("resolve", 1)],
@@ -48,28 +51,26 @@ def record(method: str = "mean", scene: str = "glass[count=4]", **fields: Any) -
         traffic=Traffic(50_000, []),
         shading=SharedShading(Memory(0, 0.0, []), Traffic(0, [])),
         nonfinite=Nonfinite(),
-        scores={"exact": Scores(dict(VALUES)), "path_traced": Scores(dict(VALUES))},
-        images={"color": "images/a.exr"},
+        scores=scores,
+        images=images,
         exposure=0.0,
     )
-    made = Record(
-        scene,
-        method,
-        method.partition("[")[0],
-        (8, 6),
-        2,
-        "requested",
-        1,
-        "ok",
-        outcome=outcome,
-        time=Time(Interval(2.0, 1.9, 2.1, [2.0]), 0.0),
-    )
+
+
+def record(method: str = "mean", scene: str = "glass[count=4]", **fields: Any) -> Record:
+    """Return the record of a cell that succeeded; `fields` replace fields of it."""
+    scores = {EXACT: Scores(dict(VALUES)), PATH_TRACED: Scores(dict(VALUES))}
+    name = method.partition("[")[0]
+    time = Time(Interval(2.0, 1.9, 2.1, [2.0]), 0.0)
+    outcome = outcome_of(scores, {"color": "images/a.exr"})
+    made = Record(scene, method, name, (8, 6), 2, "requested", 1, "ok", outcome=outcome, time=time)
     return msgspec.structs.replace(made, **fields)
 
 
 def failed(method: str = "mean", reason: str = "no such shader", **fields: Any) -> Record:
     """Return the record of a cell without an image."""
-    return record(method, status="failed", reason=reason, outcome=None, time=None, **fields)
+    values: dict[str, Any] = {"status": "failed", "outcome": None, "time": None}
+    return record(method, reason=reason, **(values | fields))
 
 
 def changed(item: Any, path: str, value: Any) -> Any:
@@ -85,10 +86,14 @@ def changed(item: Any, path: str, value: Any) -> Any:
     return msgspec.structs.replace(item, **{name: inner})
 
 
-def write(folder: Path, records: list[Record], renderer: str = "softly") -> Path:
+FACTS = RunFacts(gl=Renderer("softly"), seed=1, argv=["/home/me/oitbench"])
+
+
+def write(folder: Path, records: Sequence[Record], facts: RunFacts = FACTS) -> Path:
     """Write a results folder and return it."""
     store = Store.open(folder)
-    store.write_run(RunFacts(gl=Renderer(renderer), seed=1, argv=["/home/me/oitbench"]))
+    store.write_run(facts)
     for item in records:
         store.append(item)
+    store.compact()
     return folder

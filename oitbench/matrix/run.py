@@ -127,7 +127,7 @@ def run_matrix(matrix: Matrix, on_record: OnRecord = lambda cell, record: None) 
             summary.statuses[status] = summary.statuses.get(status, 0) + 1
         store.compact()
         summary.wall = time.perf_counter() - start
-        wall = {"seconds": summary.wall, "rest": summary.rest, **summary.spent}
+        wall = {"total": summary.wall, "rest": summary.rest, **summary.spent}
         store.write_run(msgspec.structs.replace(facts, wall=wall))
     finally:
         for worker in pool:

@@ -152,7 +152,7 @@ def _facts(facts: RunFacts) -> list[tuple[str, str]]:
         "LLVM of the path tracer": facts.llvm or "",
         "Commit": f"{git.commit}{modified}" if git else "",
         "Command": " ".join(facts.argv),
-        "Seed": str(facts.seed),
+        "Seed": "" if facts.seed is None else str(facts.seed),
         "Date": facts.date,
         "Wall time": ", ".join(f"{kind} {seconds:.0f} s" for kind, seconds in facts.wall.items()),
     }

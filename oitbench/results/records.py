@@ -93,7 +93,7 @@ class Results:
         if not (folder / store.CELLS).is_file():
             raise UsageError(f"{folder} holds no {store.CELLS}; give the folder of a run")
         records = tuple(store.read_cells(folder / store.CELLS).values())
-        facts = store.read_run(folder / store.RUN) or RunFacts(gl=None, seed=1)
+        facts = store.read_run(folder / store.RUN) or RunFacts(gl=None, seed=None)
         return cls(folder, records, facts)
 
     @property

@@ -27,7 +27,7 @@ FINISHED: frozenset[Status] = frozenset({"ok", "unstable"})
 """Statuses of cells that have an image and numbers."""
 
 EXACT, PATH_TRACED = "exact", "path_traced"
-TRUTHS: Mapping[str, str] = {EXACT: "exact compositing", PATH_TRACED: "path traced"}
+TRUTHS: Mapping[str, str] = {EXACT: "exact compositing", PATH_TRACED: "path tracing"}
 """Keys of the truths in a record, and their names for readers."""
 
 
@@ -260,7 +260,7 @@ class RunFacts(_Typed, frozen=True):
     """The machine and the command of a run, and its wall-clock seconds by kind of work."""
 
     gl: Renderer | None
-    seed: int
+    seed: int | None
     argv: list[str] = []
     methods: list[str] = []
     mesa: str | None = None

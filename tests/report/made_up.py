@@ -22,7 +22,6 @@ from oitbench.results.schema import (
     Memory,
     MemoryTerm,
     Nonfinite,
-    Outcome,
     Record,
     Renderer,
     RunFacts,
@@ -34,7 +33,8 @@ from oitbench.results.schema import (
     TrafficTerm,
     flip_image,
 )
-from oitbench.results.store import Store, image_path
+from oitbench.results.store import image_path
+from tests.made_up import failed, outcome_of, record, write
 
 SIDE = 16
 """Width and height of all pictures, in pixels."""
@@ -50,9 +50,7 @@ def unfinished(
     scene: str, method: str, status: Status = "failed", reason: str = "no", **fields: Any
 ) -> Record:
     """Return a record without numbers; `fields` are further fields of `Record`."""
-    values: dict[str, Any] = {"size": (SIDE, SIDE), "ssaa": 2, "effects": "requested", "seed": 1}
-    name = method.partition("[")[0]
-    return Record(scene, method, name, status=status, reason=reason, **(values | fields))
+    return failed(method, reason, scene=scene, status=status, **({"size": (SIDE, SIDE)} | fields))
 
 
 def finished(
@@ -82,8 +80,8 @@ def finished(
         Fields of `Record` that replace the made-up ones.
     """
     median = 2 - error
-    values: dict[str, Any] = {"status": "ok", "reason": "", "time": timed(median)}
-    record = unfinished(scene, method, **(values | fields))
+    values: dict[str, Any] = {"time": timed(median), "size": (SIDE, SIDE)}
+    made = record(method, scene, **(values | fields))
     truth, picture = _pictures(error)
     evaluation = _compare(error)
     kinds = ["color", EXACT, flip_image(EXACT)]
@@ -92,36 +90,27 @@ def finished(
         kinds += [PATH_TRACED, flip_image(PATH_TRACED)]
         floor: dict[str, float | None] = {metrics.FLIP_LDR: FLOOR, metrics.RMSE: FLOOR}
         scores[PATH_TRACED] = Scores(evaluation.values, floor)
-    images = {kind: image_path(record.key, kind) for kind in kinds}
+    images = {kind: image_path(made.key, kind) for kind in kinds}
     for kind, path in images.items():
         if kind.startswith("flip_"):
             maps = evaluation.maps[metrics.FLIP_LDR], evaluation.maps[metrics.FLIP_HDR]
             files.write_flip_maps(folder / path, *maps)
         else:
             files.write_exr(folder / path, picture if kind == "color" else truth)
-    made_up = Outcome(
-        parameters={},
-        effects=EffectNames(["COVERAGE"], [], ["COVERAGE"]),
-        fragments=100,
-        max_depth_complexity=4,
-        passes=[],
+    made_up = msgspec.structs.replace(
+        outcome_of(scores, images),
         memory=Memory(3072, 96, [MemoryTerm("a", 2048), MemoryTerm("b", 1024)]),
         traffic=Traffic(400, [TrafficTerm("gather", "a", "write", 100, 4, 400)]),
-        shading=shading(0),
-        nonfinite=Nonfinite(),
-        scores=scores,
-        images=images,
-        exposure=0.0,
     )
     replaced = msgspec.structs.replace(made_up, **(outcome or {}))
-    return msgspec.structs.replace(record, outcome=replaced)
+    return msgspec.structs.replace(made, outcome=replaced)
 
 
 def unstable(folder: Path, scene: str, method: str) -> Record:
     """Return a record whose picture has a NaN, and therefore neither metrics nor maps."""
-    record = finished(folder, scene, method, 0.2)
-    assert record.outcome is not None
-    outcome = record.outcome
+    made = finished(folder, scene, method, 0.2)
+    assert made.outcome is not None
+    outcome = made.outcome
     picture = files.read_exr(folder / outcome.images["color"])
     picture[3, 3] = np.nan
     files.write_exr(folder / outcome.images["color"], picture)
@@ -133,7 +122,7 @@ def unstable(folder: Path, scene: str, method: str) -> Record:
         scores={EXACT: nothing, PATH_TRACED: nothing},
         images=images,
     )
-    return msgspec.structs.replace(record, status="unstable", reason="1 NaN pixel", outcome=changed)
+    return msgspec.structs.replace(made, status="unstable", reason="1 NaN pixel", outcome=changed)
 
 
 def with_effects(
@@ -185,12 +174,7 @@ def shading(count: int) -> SharedShading:
 
 def store(folder: Path, *records: Record) -> Path:
     """Write a results folder with facts, and return it."""
-    opened = Store.open(folder)
-    for record in records:
-        opened.append(record)
-    opened.compact()
-    opened.write_run(FACTS)
-    return folder
+    return write(folder, records, FACTS)
 
 
 def context(folder: Path, records: Iterable[Record], out: Path) -> ReportContext:

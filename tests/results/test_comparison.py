@@ -1,4 +1,4 @@
-"""Regressions: what passes, what is told, and what fails, on cells that were never rendered."""
+"""Regressions, on made-up cells: passes, remarks and failures."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, cast
 
+import msgspec
 import pytest
 
 import oitbench
@@ -18,9 +19,9 @@ from oitbench.results import baseline
 from oitbench.results import comparison as regression
 from oitbench.results.baseline import Snapshot
 from oitbench.results.comparison import TOLERANCES, Comparison, Tolerance
-from oitbench.results.schema import Interval, PassRuns, Record
+from oitbench.results.schema import Interval, PassRuns, Record, Renderer
 from oitbench.results.store import Store
-from tests.made_up import VALUES, changed, failed, record, write
+from tests.made_up import FACTS, VALUES, changed, failed, record, write
 
 ALPHA = "glass[count=4] mean 8x6 effects=requested ssaa=2"
 SPREADS = {metrics.ORDER_SPREAD_MAX, metrics.ORDER_SPREAD_MEAN}
@@ -37,7 +38,8 @@ def before(tmp_path: Path) -> Path:
 def compared(before: Path, change: Change, renderer: str = "softly") -> Comparison:
     """Compare a run whose first cell was changed."""
     records = [change(record("mean")), record("peel[layers=8]")]
-    return oitbench.compare(write(before.parent / "now", records, renderer), before)
+    facts = msgspec.structs.replace(FACTS, gl=Renderer(renderer))
+    return oitbench.compare(write(before.parent / "now", records, facts), before)
 
 
 def field(path: str, value: Any) -> Change:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from oitbench.image import metrics
 from oitbench.path_traced import llvm
 from oitbench.path_traced.references.fingerprint import fingerprint
-from oitbench.path_traced.references.storage import Reference, ReferenceInfo
+from oitbench.path_traced.references.storage import Reference, ReferenceInfo, stored_precision
 from oitbench.path_traced.trace.render import Estimate, render
 from oitbench.scene import Scene
 
@@ -48,6 +48,8 @@ def render_reference(
 ) -> Reference:
     """Render a reference, with a progress bar on standard error.
 
+    Its mean is rounded as a stored one, so that both give the same metrics.
+
     Parameters
     ----------
     scene : Scene
@@ -78,7 +80,7 @@ def render_reference(
         fingerprint=fingerprint(scene),
         noise_floor=noise_floor(estimate, scene.exposure),
     )
-    return Reference(info, estimate.mean, estimate.variance)
+    return Reference(info, stored_precision(estimate.mean), estimate.variance)
 
 
 def _render_with_bar(

@@ -12,6 +12,8 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from oitbench.atomic import replacing
 from oitbench.errors import UsageError
 from oitbench.image import files as images
@@ -151,6 +153,11 @@ def _parse(path: Path, key: str, entry: Any) -> ReferenceInfo:
 
 def _damaged(path: Path, key: str) -> UsageError:
     return UsageError(f"{path}: entry {key} is damaged; delete the entry and render it again")
+
+
+def stored_precision(mean: Image) -> Image:
+    """Return a mean rounded as `save` stores it: half floats if they can hold it."""
+    return mean.astype(np.float16).astype(np.float32) if images.fits_half(mean) else mean
 
 
 def save(folder: Path, reference: Reference) -> None:
