@@ -10,7 +10,7 @@ import click
 
 from oitbench.cli import options
 from oitbench.effects import Effect
-from oitbench.errors import DeclarationError, unknown
+from oitbench.errors import DeclarationError, UsageError, unknown
 from oitbench.parameters import AnyParameter, text
 from oitbench.plugins import Collection
 
@@ -29,10 +29,19 @@ def _read_kind(ctx: click.Context, parameter: click.Parameter, value: str | None
 @click.command()
 @click.argument("kind", callback=_read_kind, required=False)
 @click.option("--json", "as_json", is_flag=True, help="Print the list as JSON.")
+@click.option(
+    "--measure", is_flag=True, help="Render stacks of layers with all methods; print their table."
+)
 @options.collections
-def command(kind: str | None, as_json: bool, collections: tuple[Path, ...]) -> None:
-    """List methods, scenes, effects or reports, with their parameters. Default: all of them."""
+def command(kind: str | None, as_json: bool, measure: bool, collections: tuple[Path, ...]) -> None:
+    """List methods, scenes, effects or reports, with their parameters. Default: all of them.
+
+    `oitbench list methods --measure` prints the table of methods of the README.
+    """
     collection = Collection.load(collections)
+    if measure:
+        _print_overview(collection, kind)
+        return
     found = {name: _entries(collection, name) for name in ([kind] if kind else KINDS)}
     if as_json:
         click.echo(json.dumps(found[kind] if kind else found, indent=2))
@@ -45,6 +54,17 @@ def command(kind: str | None, as_json: bool, collections: tuple[Path, ...]) -> N
             click.echo(f"  {entry['name']:{width}}  {entry['title']}")
             for key, parameter in entry.get("parameters", {}).items():
                 click.echo(f"  {'':{width}}    {key}={parameter['summary']}")
+
+
+def _print_overview(collection: Collection, kind: str | None) -> None:
+    from oitbench.gl.device import Device
+    from oitbench.stability import overview
+
+    if kind != "methods":
+        raise UsageError("--measure needs methods: oitbench list methods --measure")
+    with Device() as device:
+        rows = overview.measure(device, collection.expand_methods(list(collection.methods)))
+    click.echo(overview.table(rows), nl=False)
 
 
 def _entries(collection: Collection, kind: str) -> list[dict[str, Any]]:

@@ -18,11 +18,19 @@ from oitbench.cli import options
     help="Folder of the report. Default: RESULTS/report.",
 )
 @click.option("--hdr", is_flag=True, help="Show HDR-FLIP instead of FLIP of the displayed image.")
+@click.option("--markdown", is_flag=True, help="Only print the main tables, as Markdown.")
 @options.collections
-def command(results: Path, out: Path | None, hdr: bool, collections: tuple[Path, ...]) -> None:
+def command(
+    results: Path, out: Path | None, hdr: bool, markdown: bool, collections: tuple[Path, ...]
+) -> None:
     """Write figures (PNG, PDF) and tables (CSV) of RESULTS, and a page that shows them."""
     from oitbench.plugins import Collection
     from oitbench.report import write
+    from oitbench.report.markdown import tables
+    from oitbench.results.records import Results
 
+    if markdown:
+        click.echo(tables(Results.load(results)), nl=False)
+        return
     page = write(results, out, Collection.load(collections).reports, hdr=hdr)
     click.echo(page)

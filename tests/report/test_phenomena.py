@@ -28,7 +28,7 @@ def test_plates_of_methods_of_diffusion_and_of_effects_left_out(tmp_path: Path) 
     assert "full" in pair.caption
     assert isinstance(ablation, ImageGrid)
     assert [tile.label for tile in ablation.tiles] == [
-        "path traced",
+        "path tracing",
         "all effects",
         "without diffusion",
         "without translucent shadows",
