@@ -1,4 +1,4 @@
-"""The pages say what is: links lead somewhere, verbs exist, commands and examples run."""
+"""The pages are true: links, verbs, tables, commands and examples."""
 
 from __future__ import annotations
 
@@ -14,7 +14,14 @@ from pathlib import Path
 import pytest
 
 from oitbench.cli import VERBS
+from oitbench.gl.device import Device
+from oitbench.method.promises import PROMISES
 from oitbench.plugins import own_folder
+from oitbench.report import markdown
+from oitbench.results.records import Results
+from oitbench.stability import overview
+from tests.helpers import collection
+from tests.report.made_up import FACTS, finished
 
 ROOT = own_folder()
 PAGES = sorted(ROOT.glob("*.md"))
@@ -79,19 +86,19 @@ def test_links_lead_somewhere(page: Path) -> None:
 def test_pages_name_files_that_exist(page: Path) -> None:
     text = page.read_text(encoding="utf-8")
     for name in re.findall(r"`((?:oitbench|methods|scenes|reports|tests)/[\w./]+)`", text):
-        assert (ROOT / name).exists(), f"{page.name} names {name}"
+        assert "NAME" in name or (ROOT / name).exists(), f"{page.name} names {name}"
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
 def test_verbs_exist(page: Path) -> None:
     text = page.read_text(encoding="utf-8")
-    told = set(re.findall(r"(?:^\$ |`)oitbench ([a-z][a-z-]*)", text, re.MULTILINE))
-    assert told <= set(VERBS), f"{page.name} names {sorted(told - set(VERBS))}"
+    named = set(re.findall(r"(?:^\$ |`)oitbench ([a-z][a-z-]*)", text, re.MULTILINE))
+    assert named <= set(VERBS), f"{page.name} names {sorted(named - set(VERBS))}"
 
 
 def test_the_readme_names_every_verb() -> None:
-    told = re.findall(r"^\| `oitbench ([a-z-]+)", (ROOT / "README.md").read_text(), re.MULTILINE)
-    assert sorted(told) == sorted(VERBS)
+    named = re.findall(r"^\| `oitbench ([a-z-]+)", (ROOT / "README.md").read_text(), re.MULTILINE)
+    assert sorted(named) == sorted(VERBS)
 
 
 def test_the_readme_names_scripts_that_can_be_run() -> None:
@@ -102,16 +109,75 @@ def test_the_readme_names_scripts_that_can_be_run() -> None:
         subprocess.run(["bash", "-n", str(ROOT / name)], check=True)
 
 
-def test_the_readme_asks_for_what_can_be_had(tmp_path: Path) -> None:
-    """Plan what the page asks for, without rendering it."""
+@pytest.mark.parametrize(("number", "cells"), [(0, 17 * 3), (1, 3 * 3)])
+def test_runs_of_the_readme_can_be_planned(number: int, cells: int, tmp_path: Path) -> None:
     from oitbench.matrix.plan import plan_matrix
 
-    (line,) = [line for line in commands("README.md") if line.startswith("oitbench run")]
-    asked = {
-        option: re.findall(rf"--{option} '?([^\s']+)'?", line) for option in ("scene", "method")
-    }
-    planned = plan_matrix(asked["scene"], asked["method"], out=tmp_path)
-    assert len(planned.cells) == 3 * 3
+    line = [line for line in commands("README.md") if line.startswith("oitbench run")][number]
+    scenes, methods, presets = (
+        re.findall(rf"--{option} '?([^\s']+)'?", line) for option in ("scene", "method", "preset")
+    )
+    planned = plan_matrix(scenes, methods, (presets or ["quick"])[0], out=tmp_path)
+    assert len(planned.cells) == cells
+
+
+def table(page: str, name: str) -> list[list[str]]:
+    """Return the cells of the table between the comments `name` and `/name` of a page."""
+    text = (ROOT / page).read_text(encoding="utf-8")
+    found = re.search(rf"<!-- {name} -->\n(.*?)<!-- /{name} -->", text, re.DOTALL)
+    assert found is not None
+    return rows_of(found[1])
+
+
+def rows_of(text: str) -> list[list[str]]:
+    lines = [line for line in text.splitlines() if line.startswith("|")]
+    return [[cell.strip() for cell in line.strip("|").split(" | ")] for line in lines]
+
+
+def test_the_table_of_promises_is_that_of_the_code() -> None:
+    rows = rows_of((ROOT / "CONVENTIONS.md").read_text(encoding="utf-8"))
+    found = {row[0]: row[1] for row in rows if row[0].strip("`") in PROMISES}
+    assert found == {f"`{name}`": sentence for name, sentence in PROMISES.items()}
+
+
+def test_the_table_of_methods_is_that_of_the_command(device: Device) -> None:
+    methods = collection().expand_methods(list(collection().methods))
+    expected = rows_of(overview.table(overview.measure(device, methods)))
+    found = table("README.md", "methods")
+    if device.software:
+        assert found == expected
+    else:  # the numbers of another machine
+        assert [row[0] for row in found[1:]] == [row[0] for row in expected[1:]]
+        assert found[0] == expected[0]
+
+
+@pytest.mark.parametrize(
+    ("name", "place", "number"), [("quick", 0, 0), ("quick", 1, 1), ("lit", 0, 1)]
+)
+def test_tables_of_results_have_the_layout_of_the_command(
+    name: str, place: int, number: int, tmp_path: Path
+) -> None:
+    """Compare table `place` of the page with table `number` that the command prints."""
+    found = split(table("README.md", name))[place]
+    methods = [cell.strip("`") for cell in found[0] if cell.startswith("`")]
+    made = [finished(tmp_path, row[0], method, 0.1) for row in found[2:] for method in methods]
+    results = Results(tmp_path, tuple(made), FACTS)
+    expected = split(rows_of(markdown.tables(results)))[number]
+    assert [row[0] for row in found] == [row[0] for row in expected]
+    assert found[0] == expected[0]
+    assert [list(map(shape, row)) for row in found] == [list(map(shape, row)) for row in expected]
+
+
+def split(rows: list[list[str]]) -> list[list[list[str]]]:
+    """Return the single tables of a list of rows; each begins with the heading "scene"."""
+    starts = [place for place, row in enumerate(rows) if row[0] == "scene"]
+    return [rows[a:b] for a, b in zip(starts, [*starts[1:], len(rows)], strict=True)]
+
+
+def shape(cell: str) -> str:
+    """Return a cell with its numbers replaced; decimals of errors count, those of times do not."""
+    cell = re.sub(r"[\d.]+ ms", "TIME", cell)
+    return re.sub(r"\d", "0", cell)
 
 
 def test_the_readmes_python_runs(tmp_path: Path) -> None:
@@ -125,7 +191,7 @@ def test_the_readmes_python_runs(tmp_path: Path) -> None:
 
 
 def test_the_walk_through_works(tmp_path: Path) -> None:
-    """Do what CONTRIBUTING.md says, in an empty folder: files are written, commands are run."""
+    """Follow CONTRIBUTING.md in an empty folder: write the files, run the commands."""
     work = tmp_path / "work"
     work.mkdir()
     for block in blocks("CONTRIBUTING.md"):
@@ -136,7 +202,7 @@ def test_the_walk_through_works(tmp_path: Path) -> None:
                 assert line.startswith("$ "), line
                 call(line.removeprefix("$ "), work, tmp_path / "cache")
     written = {path.name for path in work.iterdir()}
-    assert {"glass_bars.png", "panes.png", "trial", "mine"} <= written
+    assert {"glass_bars.png", "panes.png", "stability", "trial", "mine"} <= written
     page = (work / "trial" / "report" / "index.html").read_text(encoding="utf-8")
     for name in ("depth_average[power=0]", "weighted_blended", "errors.csv"):
         assert name in page

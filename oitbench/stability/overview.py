@@ -19,6 +19,7 @@ from oitbench.measure.oracle import composite
 from oitbench.method.declaration import Method, Request
 from oitbench.method.passes import Gather, Order
 from oitbench.method.steps import all_passes, is_programmable
+from oitbench.parameters import text
 from oitbench.scene import FragmentLists
 from oitbench.stability.layers import BACKGROUND, SIDE, random_lists, scene_of
 from oitbench.stability.suite import PRECISION_AXES
@@ -53,8 +54,9 @@ class Overview:
     sorts : bool
         Whether the method sorts its draws. If so, the layers have one order in all pixels; other
         methods get a different order in each pixel.
-    colored : bool
-        Whether the method expresses colored transmission.
+    colored : str
+        "yes" if the method expresses colored transmission, the parameter that makes it do so, or
+        "no".
     passes : int
         Draws of all transparent geometry in a frame of `DEPTH` layers.
     bytes : float
@@ -69,7 +71,7 @@ class Overview:
     order_independent: bool
     exact_layers: int | None
     sorts: bool
-    colored: bool
+    colored: str
     passes: int
     bytes: float
     capability: str
@@ -87,7 +89,7 @@ class Overview:
             f"`{self.method}`",
             "yes" if self.order_independent else "no",
             layers,
-            "yes" if self.colored else "no",
+            self.colored,
             str(self.passes),
             f"{self.bytes:.4g}",
             self.capability or "–",
@@ -111,7 +113,7 @@ def measure(device: Device, methods: Sequence[Method]) -> list[Overview]:
                         "order_independent" in method.promised,
                         exact.get(method.label),
                         _sorts(method),
-                        Effect.COLORED_TRANSMISSION in method.shows,
+                        _colored(method),
                         sum(
                             record.runs
                             for item, record in zip(frame.plan.passes, runs, strict=True)
@@ -186,6 +188,17 @@ def _translucent_lists(count: int, sortable: bool) -> FragmentLists:
 
 def _frame(uploaded: UploadedScene, method: Method) -> Frame:
     return Frame(uploaded, method, (SIDE, SIDE), uploaded.scene.effects & method.shows)
+
+
+def _colored(method: Method) -> str:
+    """Return "yes", "no", or the parameter under which a method expresses colored transmission."""
+    if Effect.COLORED_TRANSMISSION in method.shows:
+        return "yes"
+    for name, parameter in method.parameters.items():
+        for choice in parameter.choices:
+            if Effect.COLORED_TRANSMISSION in type(method)(**{name: choice}).shows:
+                return f"with `{name}={text(choice)}`"
+    return "no"
 
 
 def _sorts(method: Method) -> bool:
