@@ -42,8 +42,6 @@ from oitbench.method.passes import (
 from oitbench.method.steps import passes_of
 
 Image = npt.NDArray[np.float32]
-Drawn = tuple[Order, Objects]
-"""Key of a draw order."""
 _ATTEMPTS = 4
 
 

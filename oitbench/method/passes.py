@@ -82,11 +82,6 @@ class Gather:
         """The shader's name, followed by the macros of the pass."""
         return _name(self.shader, self.defines)
 
-    @property
-    def tested_depth(self) -> str:
-        """The depth target that fragments are tested against."""
-        return OPAQUE_DEPTH if self.depth is None else self.depth
-
 
 @dataclass(frozen=True)
 class Resolve:
