@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Generic, TypeVar, overload
 
@@ -117,20 +117,29 @@ def parse(text: str) -> Selector:
     return Selector(match["name"], {key: tuple(values) for key, values in grid.items()})
 
 
-def expand(
-    selector: Selector, parameters: Mapping[str, AnyParameter]
-) -> Iterator[dict[str, Value]]:
-    """Yield all combinations of values that `selector` selects, with defaults filled in."""
+def selector(name: str, grid: Mapping[str, Sequence[Value]]) -> str:
+    """Return the text `NAME[param=v,w]` that selects lists of values of some parameters."""
+    axes = [f"{key}={','.join(map(text, values))}" for key, values in grid.items()]
+    return f"{name}[{','.join(axes)}]" if axes else name
+
+
+def grids(parameters: Mapping[str, AnyParameter]) -> dict[str, tuple[Value, ...]]:
+    """Return the values that the larger presets run, by parameter."""
+    return {key: parameter.grid for key, parameter in parameters.items() if parameter.grid}
+
+
+def expand(parsed: Selector, parameters: Mapping[str, AnyParameter]) -> Iterator[dict[str, Value]]:
+    """Yield all combinations of values that a selector selects, with defaults filled in."""
     axes: list[list[tuple[str, Value]]] = []
-    for name in selector.grid:
+    for name in parsed.grid:
         if name not in parameters:
-            raise unknown(f"parameter of {selector.name}", name, parameters)
+            raise unknown(f"parameter of {parsed.name}", name, parameters)
     for name, parameter in parameters.items():
-        texts = selector.grid.get(name)
+        texts = parsed.grid.get(name)
         values = (
             [parameter.default]
             if texts is None
-            else [parameter.parse(selector.name, name, text) for text in texts]
+            else [parameter.parse(parsed.name, name, text) for text in texts]
         )
         axes.append([(name, value) for value in values])
     for combination in itertools.product(*axes):

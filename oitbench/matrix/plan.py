@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,7 +13,6 @@ from oitbench.errors import OitbenchError, UsageError
 from oitbench.matrix.cell import Cell, choose_effects
 from oitbench.method.ablation import EACH, REQUESTED, effects_axis
 from oitbench.method.declaration import Method
-from oitbench.parameters import AnyParameter
 from oitbench.plugins import Collection
 
 
@@ -161,24 +160,13 @@ def plan_matrix(
     )  # fmt: skip
 
 
-def grid_selector(name: str, grid: Mapping[str, Sequence[selectors.Value]]) -> str:
-    """Return the selector of a plugin with lists of values for some of its parameters."""
-    axes = [f"{key}={','.join(map(selectors.text, values))}" for key, values in grid.items()]
-    return f"{name}[{','.join(axes)}]" if axes else name
-
-
-def grid_of(parameters: Mapping[str, AnyParameter]) -> dict[str, tuple[selectors.Value, ...]]:
-    """Return the values that the larger presets run, by parameter."""
-    return {key: parameter.grid for key, parameter in parameters.items() if parameter.grid}
-
-
 def _preset_scenes(collection: Collection, preset: Preset) -> list[str]:
     return [name for name, scene in collection.scenes.items() if preset.every or scene.quick]
 
 
 def _preset_methods(collection: Collection, preset: Preset) -> list[str]:
     return [
-        grid_selector(name, grid_of(method.parameters) if preset.grid else {})
+        selectors.selector(name, selectors.grids(method.parameters) if preset.grid else {})
         for name, method in collection.methods.items()
         if preset.every or method.quick
     ]

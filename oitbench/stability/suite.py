@@ -9,13 +9,12 @@ from functools import partial
 
 import numpy as np
 
-from oitbench import parameters as selector
 from oitbench.errors import CapabilityError, OitbenchError
 from oitbench.gl.device import Device
 from oitbench.image import metrics
 from oitbench.image.files import Image
 from oitbench.method.declaration import Method
-from oitbench.parameters import AnyParameter
+from oitbench.parameters import grids, selector
 from oitbench.plugins import Collection
 from oitbench.results.schema import Nonfinite
 from oitbench.stability.cases import cases
@@ -50,11 +49,12 @@ def variants(collection: Collection, names: Iterable[str]) -> list[Method]:
     texts = []
     for name in names:
         parameters = collection.methods[name].parameters
-        grid = {key: item.grid for key, item in parameters.items() if item.grid}
-        texts.append(_text(name, grid))
+        texts.append(selector(name, grids(parameters)))
         for key in PRECISION_AXES:
             if key in parameters:
-                texts.append(_text(name, {key: _choices(parameters[key])}))
+                item = parameters[key]
+                choices = item.choices or item.grid or (item.default,)
+                texts.append(selector(name, {key: choices}))
     return collection.expand_methods(texts)
 
 
@@ -94,15 +94,6 @@ def run(
                 report(results[-1])
     order = {method.label: place for place, method in enumerate(methods)}
     return sorted(results, key=lambda result: order[result.method])
-
-
-def _choices(parameter: AnyParameter) -> tuple[selector.Value, ...]:
-    return parameter.choices or parameter.grid or (parameter.default,)
-
-
-def _text(name: str, grid: dict[str, tuple[selector.Value, ...]]) -> str:
-    axes = [f"{key}={','.join(map(selector.text, values))}" for key, values in grid.items()]
-    return f"{name}[{','.join(axes)}]" if axes else name
 
 
 def _examine(
