@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import enum
+from collections.abc import Mapping
 
 
 class Effect(enum.Flag):
@@ -14,28 +15,32 @@ class Effect(enum.Flag):
 
     NONE = 0
     COVERAGE = enum.auto()
-    """Some surface has an opacity below one."""
     COLORED_TRANSMISSION = enum.auto()
-    """Some transmission differs between wavelengths."""
     REFRACTION = enum.auto()
-    """Some solid has a refractive index other than one."""
     DIFFUSION = enum.auto()
-    """Some collimation is below one: transmitted light is spread."""
     SHADOWS = enum.auto()
-    """A light and an opaque caster."""
     TRANSLUCENT_SHADOWS = enum.auto()
-    """A light and a transparent caster."""
     COLORED_SHADOWS = enum.auto()
-    """A light and a caster of wavelength-varying transmission."""
     CAUSTICS = enum.auto()
-    """A light and a refracting caster."""
     VOLUME = enum.auto()
-    """A participating medium."""
     AMBIENT_OCCLUSION = enum.auto()
-    """Surfaces hide the environment light from each other."""
     INFERRED_AO = enum.auto()
-    """Ambient occlusion over foliage of binary coverage."""
 
+
+REQUESTED_BY: Mapping[Effect, str] = {
+    Effect.COVERAGE: "a transparent surface",
+    Effect.COLORED_TRANSMISSION: "a transmission that differs between channels",
+    Effect.REFRACTION: "a transparent solid with a refractive index other than 1",
+    Effect.DIFFUSION: "a collimation below 1, of a surface or of the medium",
+    Effect.SHADOWS: "a light and an opaque caster",
+    Effect.TRANSLUCENT_SHADOWS: "a light and a transparent caster",
+    Effect.COLORED_SHADOWS: "a light and a caster of colored transmission",
+    Effect.CAUSTICS: "a light and a refracting caster",
+    Effect.VOLUME: "a participating medium",
+    Effect.AMBIENT_OCCLUSION: "a radius within which surfaces hide the environment from each other",
+    Effect.INFERRED_AO: "such a radius and foliage of binary coverage",
+}
+"""The content of a scene that requests each effect."""
 
 SHADING = (
     Effect.SHADOWS

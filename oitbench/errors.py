@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import difflib
+import traceback
 from collections.abc import Iterable
+from pathlib import Path
 
 
 class OitbenchError(Exception):
@@ -42,3 +44,28 @@ def unknown(kind: str, name: str, known: Iterable[str]) -> UsageError:
     near = difflib.get_close_matches(name, names, n=2, cutoff=0.5)
     hint = f"did you mean {' or '.join(near)}?" if near else f"known: {', '.join(names) or 'none'}"
     return UsageError(f"unknown {kind} '{name}'; {hint}")
+
+
+def locate(error: BaseException, file: Path) -> str:
+    """Return a plugin's error as one line: file, line, kind, message and near names.
+
+    Parameters
+    ----------
+    error : BaseException
+        Raised by code of `file`, or by code that it called.
+    file : Path
+    """
+    if isinstance(error, SyntaxError):
+        source = f": {error.text.strip()}" if error.text else ""
+        return f"{file}:{error.lineno}: SyntaxError: {error.msg}{source}"
+    frames = traceback.extract_tb(error.__traceback__)
+    lines = [frame.lineno for frame in frames if frame.filename == str(file)]
+    place = f"{file}:{lines[-1]}" if lines else str(file)
+    text = str(error) if isinstance(error, OitbenchError) else f"{type(error).__name__}: {error}"
+    known: Iterable[str] = ()
+    if isinstance(error, AttributeError) and error.obj is not None:
+        known = dir(error.obj)
+    name = getattr(error, "name", None)
+    near = difflib.get_close_matches(name, known, n=1) if name else []
+    hint = f"; did you mean {near[0]}?" if near else ""
+    return f"{place}: {' '.join(text.split())}{hint}"

@@ -12,7 +12,15 @@ from types import ModuleType
 from typing import Any, TypeVar
 
 from oitbench import parameters as selectors
-from oitbench.errors import DeclarationError, OitbenchError, SceneError, UsageError, unknown
+from oitbench.effects import Effect
+from oitbench.errors import (
+    CapabilityError,
+    DeclarationError,
+    SceneError,
+    UsageError,
+    locate,
+    unknown,
+)
 from oitbench.method.declaration import Method
 from oitbench.parameters import AnyParameter, Value
 from oitbench.scene import Scene
@@ -144,12 +152,17 @@ class Collection:
         return self.methods[path.parent.name]
 
     def expand_methods(self, texts: Iterable[str]) -> list[Method]:
-        """Return all methods that the selectors `NAME[param=v,w]` or `FOLDER[param=v]` select."""
+        """Return all methods that the selectors `NAME[param=v,w]` or `FOLDER[param=v]` select.
+
+        A known name takes precedence over a folder of that name in the working directory.
+        """
         chosen: dict[str, Method] = {}
         for text in texts:
             parsed = selectors.parse(text)
-            if "/" in parsed.name or (Path(parsed.name) / "method.py").is_file():
-                method = self.add_method(Path(parsed.name))
+            folder = Path(parsed.name)
+            here = parsed.name not in self.methods and (folder / "method.py").is_file()
+            if "/" in parsed.name or here:
+                method = self.add_method(folder)
             else:
                 method = self.methods[parsed.name]
             parsed = selectors.Selector(method.name, parsed.grid)
@@ -185,12 +198,18 @@ class Collection:
             raise UsageError(f"'{text}' selects {len(assignments)} scenes; name one")
         values: dict[str, Value] = assignments[0]
         label = selectors.label(parsed.name, values, plugin.parameters)
+        path = self.scenes.path(parsed.name)
         try:
-            return plugin.build(name=label, **values)
-        except OitbenchError:
+            scene = plugin.build(name=label, **values)
+        except (CapabilityError, UsageError):
             raise
         except Exception as error:
-            raise SceneError(f"scene {label}: {type(error).__name__}: {error}") from error
+            message = locate(error, path)
+            owner = f"scene {label}: "
+            raise SceneError(message if owner in message else f"{owner}{message}") from error
+        if not isinstance(scene, Scene):
+            raise SceneError(f"scene {label}: {path}: build returns {scene!r}; return a Scene")
+        return scene
 
     def truth(self) -> Method:
         """Return the suite's own method that renders the exact truth, with its parameters."""
@@ -248,7 +267,7 @@ def _load(path: Path) -> ModuleType:
         specification.loader.exec_module(module)
     except Exception as error:
         del sys.modules[name]
-        raise DeclarationError(f"{path}: {type(error).__name__}: {error}") from error
+        raise DeclarationError(locate(error, path)) from error
     return module
 
 
@@ -269,11 +288,25 @@ def _load_method(path: Path) -> type[Method]:
             f"{path}: only the suite's own method can be the truth; drop 'truth'"
         )
     method.name = folder.name
+    _check_class(path, method)
     method.__doc__ = module.__doc__
     shared = folder.parent.parent / "glsl"
     of_collection = folder.parent.name == "methods" and shared.is_dir()
     method.folders = (folder, shared) if of_collection else (folder,)
     return method
+
+
+def _check_class(path: Path, method: type[Method]) -> None:
+    """Raise `DeclarationError` if promises or effects of a method have a wrong type."""
+    try:
+        default = method()
+        promises, effects = default.promises, default.expresses
+    except Exception as error:
+        raise DeclarationError(locate(error, path)) from error
+    if not isinstance(promises, frozenset):
+        raise DeclarationError(f'{path}: promises is {promises!r}; write oit.promise("NAME NAME")')
+    if not isinstance(effects, Effect):
+        raise DeclarationError(f"{path}: expresses is {effects!r}; combine oit.Effect by |")
 
 
 def _load_scene(path: Path) -> ScenePlugin:

@@ -13,7 +13,7 @@ from oitbench.gl.device import Device
 from oitbench.gl.frame import Frame, Image
 from oitbench.gl.uploaded_scene import UploadedScene
 from oitbench.method import steps
-from oitbench.method.declaration import Method, Plan, Request
+from oitbench.method.declaration import Method, Plan, Request, plan_of
 from oitbench.method.passes import Pass
 from oitbench.method.storage import Target
 from oitbench.plugins import Collection
@@ -115,7 +115,7 @@ def render(
 
 def full_plan(chosen: Method) -> Plan:
     """Return the plan of a method for all that it can show."""
-    return chosen.plan(Request(chosen.shows, particles=True))
+    return plan_of(chosen, Request(chosen.shows, particles=True))
 
 
 def all_passes(chosen: Method) -> Iterator[Pass]:

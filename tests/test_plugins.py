@@ -122,9 +122,9 @@ def test_a_broken_plugin_hurts_only_who_asks(strangers: Path) -> None:
     found = Collection.load([strangers])
     assert "broken" in list(found.methods)
     assert found.truth().name == "a_buffer"
-    with pytest.raises(DeclarationError, match=r"broken/method\.py: ModuleNotFoundError"):
+    with pytest.raises(DeclarationError, match=r"broken/method\.py:1: ModuleNotFoundError"):
         found.expand_methods(["broken"])
-    with pytest.raises(DeclarationError, match=r"scenes/broken\.py: SyntaxError"):
+    with pytest.raises(DeclarationError, match=r"scenes/broken\.py:1: SyntaxError"):
         found.build_scene("broken")
     with pytest.raises(DeclarationError, match=r"reports/broken\.py"):
         found.reports["broken"]

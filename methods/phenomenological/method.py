@@ -135,7 +135,7 @@ class Phenomenological(oit.Method):
             beta = beta.replace("rgb8", "rgba8")
         targets = {
             "accum": oit.Target(accum, clear=(0.0,)),
-            "beta": oit.Target(beta, clear=(1.0, 1.0, 1.0, 0.0)),
+            "beta": oit.Target(beta, clear=(1.0, 1.0, 1.0, 0.0)[: 3 if beta == "rgb8" else 4]),
         }
         if oit.Effect.REFRACTION in effects:
             targets["delta"] = oit.Target(delta)

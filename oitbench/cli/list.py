@@ -9,7 +9,7 @@ from typing import Any
 import click
 
 from oitbench.cli import options
-from oitbench.effects import Effect
+from oitbench.effects import REQUESTED_BY
 from oitbench.errors import DeclarationError, UsageError, unknown
 from oitbench.parameters import AnyParameter, text
 from oitbench.plugins import Collection
@@ -69,7 +69,10 @@ def _print_overview(collection: Collection, kind: str | None) -> None:
 
 def _entries(collection: Collection, kind: str) -> list[dict[str, Any]]:
     if kind == "effects":
-        return [{"name": str(e.name).lower(), "title": ""} for e in Effect if e.name]
+        return [
+            {"name": str(effect.name).lower(), "title": f"requested by {reason}"}
+            for effect, reason in REQUESTED_BY.items()
+        ]
     plugins = getattr(collection, kind)
     return [_entry(plugins, name) for name in plugins]
 

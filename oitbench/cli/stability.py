@@ -18,8 +18,8 @@ _WIDTH = 120
     "--method",
     "methods",
     multiple=True,
-    help="NAME, for all variants of the method; NAME[param=v,w], for these variants only; or a"
-    " method's folder. Repeatable. Default: all variants of all methods.",
+    help="NAME or a method's folder, for all variants of the method; NAME[param=v,w], for these"
+    " variants only. Repeatable. Default: all variants of all methods.",
 )
 @click.option(
     "--out",
@@ -45,15 +45,18 @@ def command(
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
 
     from oitbench.gl.device import Device
+    from oitbench.method.declaration import Method
     from oitbench.plugins import Collection
     from oitbench.results.schema import Renderer
     from oitbench.stability import files, suite, summary
 
     collection = Collection.load(collections)
-    bare = [text for text in methods if text in collection.methods]
-    chosen = suite.variants(collection, bare if methods else list(collection.methods))
-    chosen += collection.expand_methods(text for text in methods if text not in bare)
-    chosen = list({method.label: method for method in chosen}.values())
+    chosen: dict[str, Method] = {}
+    for text in methods or collection.methods:
+        found = collection.expand_methods([text])
+        if "[" not in text:
+            found = suite.variants(collection, [found[0].name])
+        chosen |= {method.label: method for method in found}
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn())
     with (
         Device() as device,
@@ -61,7 +64,10 @@ def command(
     ):
         task = progress.add_task("checks", total=len(suite.checks()) * len(chosen))
         results = suite.run(
-            device, collection, chosen, report=lambda result: progress.advance(task)
+            device,
+            collection,
+            list(chosen.values()),
+            report=lambda result: progress.advance(task),
         )
         gl = Renderer(device.renderer, version=device.version, software=device.software)
     files.write(out, results, gl)

@@ -13,8 +13,8 @@ from oitbench.errors import DeclarationError
 from oitbench.gl.capabilities import FETCH, SPIN_LOCK
 from oitbench.gl.program.bindings import Bindings
 from oitbench.gl.program.prelude import parameter_macros
-from oitbench.method.declaration import Method, Request
-from oitbench.method.passes import OPAQUE_COLOR, OPAQUE_DEPTH, Gather, Pass, Step
+from oitbench.method.declaration import Method, Request, plan_of
+from oitbench.method.passes import OPAQUE_COLOR, OPAQUE_DEPTH, Gather, Loop, Pass, Step
 from oitbench.method.steps import all_passes, check_pass, is_programmable
 from oitbench.method.storage import Buffer, Items, Target
 
@@ -97,7 +97,7 @@ class FramePlan:
         DeclarationError
             A pass does not fit the targets and buffers; the message names its shader.
         """
-        declared = method.plan(Request(effects, particles, others))
+        declared = plan_of(method, Request(effects, particles, others))
         targets = dict(declared.targets)
         color = targets.pop("color", Target("rgba16f"))
         blending = None
@@ -110,11 +110,29 @@ class FramePlan:
             declared.buffers, declared.passes, Bindings.of(declared.buffers, counted),
             method.sample_count, method.folders, parameter_macros(method),
         )  # fmt: skip
-        for item in plan.passes:
-            check_pass(item, plan.declared, plan.buffers)
+        try:
+            plan.check()
+        except DeclarationError as error:
+            raise DeclarationError(f"{method.name}: {error}") from error
+        return plan
+
+    def check(self) -> None:
+        """Raise `DeclarationError` if the passes do not fit the targets and buffers."""
+        written = {name for item in self.passes for name in (*item.writes, item.depth)}
+        swapped = {
+            name
+            for step in self.steps
+            if isinstance(step, Loop)
+            for pair in step.swaps
+            for name in pair
+        }
+        for item in self.passes:
+            check_pass(item, self.declared, self.buffers)
             if item.depth == OPAQUE_DEPTH:
                 raise DeclarationError(f"{item.shader}: the opaque depth cannot be written")
-        return plan
+            for name in item.reads:
+                if name in self.targets and name not in written | swapped:
+                    raise DeclarationError(f"{item.shader}: reads '{name}', but no pass writes it")
 
     @cached_property
     def declared(self) -> Mapping[str, Target]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from oitbench.effects import SHADING, Effect
-from oitbench.method.declaration import Method, Request
+from oitbench.method.declaration import Method, Request, plan_of
 
 REQUESTED = "requested"
 """On the axis of effects: all effects that the scene requests."""
@@ -50,7 +50,8 @@ def _matters(method: Method, requested: Effect, effect: Effect) -> bool:
         return True
     running = requested & method.shows
     plans = [
-        method.plan(Request(effects, particles=True)) for effects in (running, running & ~effect)
+        plan_of(method, Request(effects, particles=True))
+        for effects in (running, running & ~effect)
     ]
     if plans[0] != plans[1]:
         return True

@@ -6,14 +6,15 @@ and traffic from the plan. A method makes no OpenGL call and counts no byte.
 
 from __future__ import annotations
 
+import difflib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import ClassVar
 
 from oitbench.effects import SHADING, Effect
-from oitbench.errors import DeclarationError, unknown
-from oitbench.method.passes import Step
+from oitbench.errors import DeclarationError, locate, unknown
+from oitbench.method.passes import Gather, Interleaved, Loop, Resolve, Step
 from oitbench.method.promises import ALWAYS
 from oitbench.method.storage import Buffer, Target
 from oitbench.parameters import AnyParameter, Parameter, Value, label
@@ -52,6 +53,13 @@ class Plan:
     targets: Mapping[str, Target] = field(default_factory=dict)
     passes: tuple[Step, ...] = ()
     buffers: Mapping[str, Buffer] = field(default_factory=dict)
+
+
+_MEMBERS = (
+    "expresses", "loop_steps", "may_be_negative", "noisy", "plan", "promises", "quick",
+    "record_step", "requires", "sample_count", "truth",
+)  # fmt: skip
+"""Members of a method that its class can override."""
 
 
 class Method:
@@ -93,6 +101,10 @@ class Method:
         for key in own:
             if key in vars(Method):
                 raise DeclarationError(f"parameter '{key}' hides a member of Method; rename it")
+        for key in vars(cls).keys() - own.keys() - vars(Method).keys():
+            near = difflib.get_close_matches(key, _MEMBERS, n=1, cutoff=0.8)
+            if near and not key.startswith("_"):
+                raise DeclarationError(f"unknown member {key}; did you mean {near[0]}?")
         cls.parameters = {**own, **{k: v for k, v in cls.parameters.items() if k not in own}}
 
     def __init__(self, **values: Value) -> None:
@@ -174,3 +186,24 @@ class Method:
             Running effects and kinds of objects; most plans do not depend on them.
         """
         return Plan()
+
+
+def plan_of(method: Method, request: Request) -> Plan:
+    """Return the plan of a method, checked for types.
+
+    Raises
+    ------
+    DeclarationError
+        The method's own code fails, or returns anything but a plan. The message names the file.
+    """
+    file = method.folders[0] / "method.py" if method.folders else Path(method.name)
+    try:
+        plan = method.plan(request)
+    except Exception as error:
+        raise DeclarationError(locate(error, file)) from error
+    if not isinstance(plan, Plan):
+        raise DeclarationError(f"{file}: plan returns {plan!r}; return an oit.Plan")
+    for step in plan.passes:
+        if not isinstance(step, Gather | Resolve | Interleaved | Loop):
+            raise DeclarationError(f"{file}: passes hold {step!r}; a pass is Gather or Resolve")
+    return plan

@@ -20,7 +20,7 @@ class Target:
     format : str
         A name of `oitbench.method.formats.FORMATS`.
     clear : tuple of float
-        One value per component, set at the start of each frame.
+        Value at the start of each frame: one for all components, or one per component.
     single : bool
         The target keeps one sample per pixel in a multisampled frame. A pass that writes such a
         target writes no others, and rasterizes pixel centers.
@@ -37,6 +37,12 @@ class Target:
     def __post_init__(self) -> None:
         if self.subsample < 1:
             raise DeclarationError(f"target: subsample is {self.subsample}; it must be at least 1")
+        components = self.texel.components
+        if len(self.clear) not in (1, components):
+            raise DeclarationError(
+                f"target: clear has {len(self.clear)} values; give one, or one for each of the"
+                f" {components} components of {self.format}"
+            )
 
     def size(self, frame: tuple[int, int]) -> tuple[int, int]:
         """Return (width, height) of the target in a frame of that many pixels."""

@@ -16,7 +16,7 @@ from oitbench.gl.frame import Frame
 from oitbench.gl.uploaded_scene import UploadedScene
 from oitbench.measure import accounting
 from oitbench.measure.oracle import composite
-from oitbench.method.declaration import Method, Request
+from oitbench.method.declaration import Method, Request, plan_of
 from oitbench.method.passes import Gather, Order
 from oitbench.method.steps import all_passes, is_programmable
 from oitbench.parameters import text
@@ -203,12 +203,12 @@ def _colored(method: Method) -> str:
 
 def _sorts(method: Method) -> bool:
     """Return whether the method sorts its draws."""
-    passes = all_passes(method.plan(Request(method.shows, particles=True)).passes)
+    passes = all_passes(plan_of(method, Request(method.shows, particles=True)).passes)
     return any(isinstance(item, Gather) and item.order is not Order.SUBMISSION for item in passes)
 
 
 def _capabilities(method: Method) -> str:
-    plan = method.plan(Request(method.shows, particles=True))
+    plan = plan_of(method, Request(method.shows, particles=True))
     blends = any(map(is_programmable, all_passes(plan.passes)))
     names = [*method.requires, *(["programmable blending"] if blends else [])]
     return ", ".join(name.replace("_", " ") for name in names)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from oitbench.method.declaration import Method, Request
+from oitbench.method.declaration import Method, Request, plan_of
 from oitbench.method.passes import Gather
 from oitbench.method.steps import all_passes
 from oitbench.method.storage import Target
@@ -46,7 +46,7 @@ def rounding(method: Method, layers: int, magnitude: float) -> float:
     method, layers, magnitude
         As in `tolerance`.
     """
-    plan = method.plan(Request(method.shows, particles=True))
+    plan = plan_of(method, Request(method.shows, particles=True))
     targets = {"color": Target("rgba16f"), **plan.targets}
     passes = list(all_passes(plan.passes))
     error = step(targets["color"], 1.0) * magnitude

@@ -92,7 +92,7 @@ def test_a_scene_with_nan_gets_one_line_and_code_2(
     out, where = str(tmp_path / "x.exr"), ("--collection", str(plugins))
     for scene, told in (
         ("poisoned", "background holds NaN or infinity"),
-        ("raiser", "scene raiser: ValueError: the scene is unwell"),
+        ("raiser", "raiser.py:14: ValueError: the scene is unwell"),
     ):
         assert call(monkeypatch, "render", scene, "alpha_blend", "-o", out, *SMALL, *where) == 2
         printed = capsys.readouterr().err

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -21,7 +22,7 @@ from oitbench.gl.program.source import Source
 from oitbench.gl.tiling import Scissor
 from oitbench.method.formats import Format
 from oitbench.method.passes import OPAQUE_DEPTH, Gather, Pass, Resolve
-from oitbench.method.steps import is_programmable, is_single, subsample_of
+from oitbench.method.steps import indexed_families, is_programmable, is_single, subsample_of
 from oitbench.method.storage import Buffer, Target
 
 DEPTH_COPY, DEPTH_AT_CENTERS = "opaque_depth_copy", "opaque_depth_at_centers"
@@ -289,12 +290,10 @@ def _sources(blueprint: Blueprint, geometry: Geometry, step: Pass) -> tuple[Sour
         accessors.accessors(step, blueprint.buffers, blueprint.bindings, samples),
     )
     fragment.add_text("prelude (declarations)", "\n".join(declarations))
-    # Only passes of methods have folders.
-    add_shader = fragment.add_file if blueprint.folders else fragment.add_engine_file
     vertex = Source()
     if isinstance(step, Resolve):
         fragment.add_text("prelude (medium)", shading.medium)
-        add_shader(step.shader)
+        _add_shader(fragment, blueprint, step)
         # Helper invocations read zero from buffers, and would never leave a list.
         fragment.add_text("main", "void main() { if (!gl_HelperInvocation) { resolve(); } }")
         vertex.add_engine_file("screen.vert.glsl")
@@ -305,13 +304,34 @@ def _sources(blueprint: Blueprint, geometry: Geometry, step: Pass) -> tuple[Sour
         if shading.occluded:
             fragment.add_engine_file("inferred_occlusion.glsl")
     fragment.add_engine_file("fragment.glsl")
-    add_shader(step.shader)
+    _add_shader(fragment, blueprint, step)
     fragment.add_text("prelude (deliver)", prelude.deliver(step, mechanism))
     fragment.add_engine_file("lists.frag.glsl" if geometry.has_lists else "surface.frag.glsl")
     vertex.add_text("prelude (scene)", geometry.macros)
     vertex.add_engine_file("view.glsl")
     vertex.add_engine_file("surface.vert.glsl")
     return vertex, fragment
+
+
+def _add_shader(fragment: Source, blueprint: Blueprint, step: Pass) -> None:
+    """Append the shader of a pass, and check that it defines its function and names its outputs."""
+    start = len(fragment.lines)
+    if not blueprint.folders:  # a pass of the engine
+        fragment.add_engine_file(step.shader)
+        return
+    fragment.add_file(step.shader)
+    text = "\n".join(fragment.lines[start:])
+    function = "void gather(Fragment fragment)" if isinstance(step, Gather) else "void resolve()"
+    if re.search(rf"\bvoid\s+{function.split()[1].partition('(')[0]}\s*\(", text) is None:
+        raise DeclarationError(f"{blueprint.owner}: {step.shader} defines no '{function}'")
+    families = indexed_families(step.writes)
+    for name in step.writes:
+        base = name.rstrip("0123456789")
+        words = (name, base) if base in families else (name,)
+        if not any(re.search(rf"(\b|_){word}\b", text) for word in words):
+            raise DeclarationError(
+                f"{blueprint.owner}: {step.shader} never assigns its output '{name}'"
+            )
 
 
 def _program(device: Device, vertex: Source, fragment: Source) -> moderngl.Program:

@@ -3,11 +3,12 @@
 A plain name is a file beside the including one, or else in the folders of the method: its own, then
 its collection's `glsl/`. `KIT/FILE.glsl` is a shader of a kit (`oitbench/method/kits`), and
 `oitbench/FILE.glsl` one of the engine's. Engine shaders only include engine shaders, so a method
-cannot replace any of them.
+cannot replace any of them. A file is included once, however often it is named.
 """
 
 from __future__ import annotations
 
+import difflib
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -47,6 +48,7 @@ class Source:
     extensions: tuple[str, ...] = ()
     lines: list[str] = field(default_factory=list)
     places: list[tuple[str, int]] = field(default_factory=list)
+    _included: set[Path] = field(default_factory=set)
 
     def add_text(self, name: str, text: str) -> None:
         """Append generated `text`, called `name` in messages."""
@@ -61,7 +63,7 @@ class Source:
         self._add(self._find(name, None), ())
 
     def _find(self, name: str, beside: Path | None) -> Path:
-        """Return the file that `name` means in a file of the folder `beside`."""
+        """Return the file that `name` means in a file of the folder `beside`; None: in a plan."""
         kit, _, plain = name.rpartition("/")
         if beside == _ENGINE:
             candidates = [_ENGINE / name]
@@ -74,10 +76,15 @@ class Source:
         for path in candidates:
             if path.is_file():
                 return path
-        where = ", ".join(_shown(path.parent) for path in dict.fromkeys(candidates))
-        raise DeclarationError(f"there is no shader '{name}' in {where or 'any folder'}")
+        places = [path.parent for path in dict.fromkeys(candidates)]
+        where = ", ".join(map(_shown, places)) or "any folder"
+        known = {path.name for place in places for path in place.glob("*.glsl")}
+        near = difflib.get_close_matches(plain, known, n=1)
+        hint = f"; did you mean {near[0]}?" if near else ""
+        raise DeclarationError(f"there is no shader '{name}' in {where}{hint}")
 
     def _add(self, path: Path, open_files: tuple[Path, ...]) -> None:
+        self._included.add(path)
         self._append(_shown(path), path.read_text(encoding="utf-8"), path, open_files)
 
     def _append(
@@ -89,10 +96,14 @@ class Source:
                 self.lines.append(line)
                 self.places.append((name, index))
                 continue
-            found = self._find(include[1], path.parent if path else None)
+            try:
+                found = self._find(include[1], path.parent if path else None)
+            except DeclarationError as error:
+                raise DeclarationError(f"{name}:{index}: {error}") from error
             if found == path or found in open_files:
                 raise DeclarationError(f"{name}:{index}: '{include[1]}' includes itself")
-            self._add(found, (*open_files, *([path] if path else [])))
+            if found not in self._included:
+                self._add(found, (*open_files, *([path] if path else [])))
 
     @property
     def text(self) -> str:

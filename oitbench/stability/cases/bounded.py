@@ -35,7 +35,7 @@ def cases() -> Iterable[Check]:
     layers = [Layer(1, 0.1, RED), Layer(3, 0.1, RED), Layer(5, 0.9, BLUE), Layer(4, 0.9, GREEN)]
     yield over(
         "late arrival",
-        "of two layers, the nearer one hides the farther one, drawn before or after it",
+        "behind two faint layers, a strong one hides a strong one behind it, drawn first or last",
         columns([layers]),
         columns([layers[:2] + layers[:1:-1]]),
     )

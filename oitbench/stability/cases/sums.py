@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from oitbench.method.declaration import Method, Request
+from oitbench.method.declaration import Method, Request, plan_of
 from oitbench.method.passes import Gather, Loop
 from oitbench.scene import BLACK
 from oitbench.stability.cases.over import over
@@ -48,7 +48,7 @@ def cases() -> Iterable[Check]:
 
 def _peels(method: Method) -> str:
     """Return a reason if the method draws the geometry once per layer."""
-    steps = method.plan(Request()).passes
+    steps = plan_of(method, Request()).passes
     loops = [item for item in steps if isinstance(item, Loop) and item.until_empty]
     peeling = any(isinstance(item, Gather) for loop in loops for item in loop.passes)
     return "3000 geometry passes over 3000 layers take too long" if peeling else ""
