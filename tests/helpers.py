@@ -12,6 +12,7 @@ from oitbench.effects import Effect
 from oitbench.gl.device import Device
 from oitbench.gl.frame import Frame, Image
 from oitbench.gl.uploaded_scene import UploadedScene
+from oitbench.measure import accounting
 from oitbench.method import steps
 from oitbench.method.declaration import Method, Plan, Request
 from oitbench.method.passes import Pass
@@ -53,7 +54,7 @@ __all__ = [
 
 
 class Empty(Method):
-    """Shows the opaque picture, in full precision."""
+    """Shows the opaque image in single precision."""
 
     name = "empty"
 
@@ -72,7 +73,7 @@ def method(text: str) -> Method:
 
 
 def stranger(text: str) -> Method:
-    """Return a method of a folder, which the other tests' collection does not learn of."""
+    """Return the method in a folder; the collection that tests share stays as it is."""
     (found,) = Collection.load().expand_methods([text])
     return found
 
@@ -86,7 +87,7 @@ def opened(
     effects: Effect | None = None,
     **options: Any,
 ) -> Iterator[Frame]:
-    """Yield a frame that has not been rendered yet; what it holds is freed afterwards."""
+    """Yield a frame that has not been rendered yet; it is released afterwards."""
     chosen = method(chosen) if isinstance(chosen, str) else chosen
     if size is None:
         assert scene.lists is not None
@@ -106,15 +107,21 @@ def render(
     permutation: int | None = None,
     **options: Any,
 ) -> Image:
-    """Return the picture of a scene, or of lists before the usual background."""
+    """Return the image of a scene, or of lists in front of `BACKGROUND`."""
     scene = scene_of(scene) if isinstance(scene, FragmentLists) else scene
     with opened(device, scene, chosen, **options) as frame:
         frame.render(permutation=permutation)
         return frame.image()
 
 
+def bits_per_pixel(device: Device, scene: Scene, chosen: Method | str, **options: Any) -> float:
+    """Return the memory of a frame in bits per pixel."""
+    with opened(device, scene, chosen, **options) as frame:
+        return accounting.memory(frame).bits_per_pixel
+
+
 def full_plan(chosen: Method) -> Plan:
-    """Return the plan of a method for all that it can show."""
+    """Return the plan of a method for all effects and for particles."""
     return chosen.plan(Request(chosen.shows, particles=True))
 
 
@@ -137,7 +144,7 @@ def write_method(
     members: str = "",
     **shaders: str,
 ) -> Path:
-    """Write a method with this plan into `folder`; shaders by name, without their ending."""
+    """Write a method with this plan into `folder`; keys of `shaders` are names without suffix."""
     folder.mkdir(parents=True)
     lines = [
         '"""A method for tests."""',
