@@ -1,4 +1,4 @@
-"""The effects that a scene requests and a method expresses are rendered; others cost nothing."""
+"""Effects run if the scene requests them and the method expresses them; others cost nothing."""
 
 from __future__ import annotations
 

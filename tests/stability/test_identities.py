@@ -37,7 +37,7 @@ def shifting(folder: Path, pixels: str) -> None:
 
 
 def test_the_identities_are_those_that_methods_may_promise() -> None:
-    assert [check.name for check in identities()] == list(PROMISES)
+    assert [(check.name, check.sentence) for check in identities()] == list(PROMISES.items())
     assert all(check.identity for check in identities())
 
 

@@ -26,7 +26,7 @@ def test_all_choices_of_precision_are_variants() -> None:
     assert len(labels) == len(set(labels))
 
 
-def test_variants_come_in_one_order() -> None:
+def test_variants_have_a_fixed_order() -> None:
     assert [m.label for m in suite.variants(collection(), ["weighted_average"])] == [
         "weighted_average",
         "weighted_average[precision=float]",
