@@ -52,17 +52,18 @@ def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def installed(wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return the `bin` folder of an environment that has the wheel.
 
-    Dependencies come from the environment of the tests. Its path files are not read, so the
-    checkout is not found.
+    Dependencies and pip come from the environment of the tests. Its path files are not read, so
+    the checkout is not found.
     """
     folder = tmp_path_factory.mktemp("environment")
-    venv.create(folder, with_pip=True)
+    venv.create(folder, with_pip=False)
     programs = folder / "bin"
-    install = ("install", "--quiet", "--no-deps", "--no-index")
-    call([programs / "python", "-m", "pip", *install, wheel], folder)
     (site,) = folder.glob("lib/python*/site-packages")
     borrowed = {sysconfig.get_path(name) for name in ("purelib", "platlib")}
     (site / "borrowed.pth").write_text("\n".join(sorted(borrowed)) + "\n", encoding="utf-8")
+    # The installation of the checkout is visible too; it must stay as it is.
+    install = ("install", "--quiet", "--no-deps", "--no-index", "--ignore-installed")
+    call([programs / "python", "-m", "pip", *install, wheel], folder)
     return programs
 
 

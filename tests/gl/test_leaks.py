@@ -5,17 +5,19 @@ from __future__ import annotations
 import ctypes
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+import oitbench.matrix.bench
 from oitbench.errors import OitbenchError
 from oitbench.gl.device import Device
+from oitbench.gl.uploaded_scene import UploadedScene
 from oitbench.matrix.bench import Bench
 from oitbench.matrix.cell import Cell
 from oitbench.plugins import Collection
-from tests.plugins import misbehaving
 
 KINDS = ("Buffer", "Framebuffer", "Program", "Query", "Sampler", "Shader", "Texture", "VertexArray")
 NAMES = 1024
@@ -77,8 +79,11 @@ def failing(device: Device, call: int) -> Iterator[list[str]]:
 
 
 @pytest.fixture
-def bench(tmp_path: Path) -> Iterator[Bench]:
-    collection = Collection.load([misbehaving(tmp_path / "plugins")])
+def bench(plugins: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Bench]:
+    """A bench that builds each scene once and has small shadow maps, for speed."""
+    collection = Collection.load([plugins])
+    monkeypatch.setattr(collection, "build_scene", cache(collection.build_scene))
+    monkeypatch.setattr(oitbench.matrix.bench, "UploadedScene", partial(UploadedScene, map_side=64))
     with Bench(collection, tmp_path / "out") as bench:
         yield bench
 

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
-from oitbench.gl.device import Device
 from oitbench.image import metrics
 from oitbench.matrix.bench import Bench
 from oitbench.matrix.cell import Cell
@@ -15,13 +15,14 @@ from oitbench.plugins import Collection
 
 
 @pytest.fixture
-def bench(device: Device, tmp_path: Path) -> Bench:
-    return Bench(Collection.load(), tmp_path)
+def bench(tmp_path: Path) -> Iterator[Bench]:
+    with Bench(Collection.load(), tmp_path) as bench:
+        yield bench
 
 
 def spread(bench: Bench, method: str, permutations: int) -> tuple[float | None, float | None]:
     cell = Cell("layer_stack", method, (32, 24), ssaa=1, permutations=permutations)
-    record = bench.run(cell)
+    record = bench.run(cell, path_traced=False)
     names = (metrics.ORDER_SPREAD_MAX, metrics.ORDER_SPREAD_MEAN)
     most, mean = (record.metric("exact", name) for name in names)
     return most, mean
