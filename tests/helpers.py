@@ -8,6 +8,8 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from oitbench.effects import Effect
 from oitbench.gl.device import Device
 from oitbench.gl.frame import Frame, Image
@@ -72,9 +74,9 @@ def method(text: str) -> Method:
     return found
 
 
-def stranger(text: str) -> Method:
-    """Return the method in a folder; the collection that tests share stays as it is."""
-    (found,) = Collection.load().expand_methods([text])
+def foreign_method(source: Path | str) -> Method:
+    """Return the method in a folder; the collection that tests share stays unchanged."""
+    (found,) = Collection.load().expand_methods([str(source)])
     return found
 
 
@@ -112,6 +114,15 @@ def render(
     with opened(device, scene, chosen, **options) as frame:
         frame.render(permutation=permutation)
         return frame.image()
+
+
+def assert_order_independent(frame: Frame, orders: int) -> None:
+    """Assert that random orders of the draws give the same image, bit for bit."""
+    frame.render()
+    first = frame.image()
+    for seed in range(orders):
+        frame.render(permutation=seed)
+        np.testing.assert_array_equal(frame.image(), first)
 
 
 def bits_per_pixel(device: Device, scene: Scene, chosen: Method | str, **options: Any) -> float:

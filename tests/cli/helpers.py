@@ -28,6 +28,13 @@ class Answer:
         assert self.err.count("\n") == 1
         assert part in self.err
 
+    def assert_no_driver(self) -> None:
+        """Assert that the call ended with an error that names the missing package."""
+        assert self.code == 2, self
+        assert "no OpenGL 4.5 context through EGL" in self.err
+        assert "libegl1" in self.err
+        assert "Traceback" not in self.err
+
 
 Call = Callable[..., Answer]
 

@@ -9,6 +9,7 @@ import pytest
 from tests.cli.helpers import NO_EGL, SMALL, Call, spawn
 
 
+@pytest.mark.usefixtures("empty_folder")
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
@@ -30,25 +31,16 @@ from tests.cli.helpers import NO_EGL, SMALL, Call, spawn
     ],
 )
 def test_wrong_input_is_refused_and_nothing_is_written(
-    call: Call,
-    arguments: tuple[str, ...],
-    message: str,
-    monkeypatch: pytest.MonkeyPatch,
-    tmp_path: Path,
+    call: Call, arguments: tuple[str, ...], message: str
 ) -> None:
-    monkeypatch.chdir(tmp_path)
     call("run", *arguments).assert_refused(message)
-    assert list(tmp_path.iterdir()) == []
 
 
 def test_without_egl_the_error_names_the_missing_package(tmp_path: Path) -> None:
     answer = spawn(
         "run", "--scene", "layer_stack", "--out", str(tmp_path / "out"), *SMALL, **NO_EGL
     )
-    assert answer.code == 2
-    assert "no OpenGL 4.5 context through EGL" in answer.err
-    assert "libegl1" in answer.err
-    assert "Traceback" not in answer.err
+    answer.assert_no_driver()
 
 
 def test_a_folder_that_cannot_be_written_to_is_named(call: Call) -> None:

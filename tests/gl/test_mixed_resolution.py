@@ -14,7 +14,7 @@ from oitbench.measure import accounting
 from oitbench.method.declaration import Request
 from oitbench.modeling.mesh import quad
 from oitbench.scene import RGB, WHITE, Camera, Material, Object, Scene
-from tests.helpers import method, opened, render, stranger, write_method
+from tests.helpers import foreign_method, method, opened, render, write_method
 
 SIZE = (64, 48)
 PIXELS = 64 * 48
@@ -216,9 +216,8 @@ BUFFERS = '{"heads": Buffer({"first": "uint"}, Items.PIXELS)}'
 def test_a_pass_that_mixes_sizes_is_refused(
     device: Device, tmp_path: Path, declared: str, message: str
 ) -> None:
-    chosen = stranger(
-        str(write_method(tmp_path / "small", f"({declared},)", TARGETS, BUFFERS, one=""))
-    )
+    folder = write_method(tmp_path / "small", f"({declared},)", TARGETS, BUFFERS, one="")
+    chosen = foreign_method(folder)
     refused = pytest.raises(DeclarationError, match=message)
     with refused, opened(device, scene(smoke(2, 0.5)), chosen, SIZE):
         pass
@@ -237,7 +236,7 @@ def test_a_resolve_can_write_the_depth_that_a_gather_tests(device: Device, tmp_p
     fill = "void resolve() { gl_FragDepth = gl_FragCoord.x < 16.0 ? 1.0 - 0.1 / 3.0 : 1.0; }"
     count = "void gather(Fragment fragment) { part = 1.0; }"
     folder = write_method(tmp_path / "tested", passes, targets, fill=fill, count=count)
-    chosen = stranger(str(folder))
+    chosen = foreign_method(folder)
     with opened(device, scene(smoke(2, 0.5), smoke(4, 0.5)), chosen, SIZE) as frame:
         frame.render()
         part = frame.read("part")[..., 0]

@@ -12,7 +12,14 @@ from oitbench.modeling.mesh import quad
 from oitbench.plugins import Collection
 from oitbench.scene import Camera, Material, Object, Scene
 from tests.benchmarks.speed import overlapping_quads
-from tests.helpers import collection, opened, random_lists, render, write_method
+from tests.helpers import (
+    assert_order_independent,
+    collection,
+    opened,
+    random_lists,
+    render,
+    write_method,
+)
 
 SIZE = (48, 48)
 SORTED = '(Gather("over.glsl", writes={"color": OVER}, order=Order.TRIANGLES),)'
@@ -88,11 +95,7 @@ def test_masks_take_four_bits_of_each_depth(device: Device, name: str) -> None:
 def test_masks_do_not_depend_on_the_order_of_the_draws(device: Device, layers: int) -> None:
     lists = collection().build_scene(f"fragment_lists[width=8,height=8,layers={layers},ties=true]")
     with opened(device, lists, "a_buffer[msaa=4]") as frame:
-        frame.render()
-        first = frame.image()
-        for seed in range(3):
-            frame.render(permutation=seed)
-            np.testing.assert_array_equal(frame.image(), first)
+        assert_order_independent(frame, 3)
 
 
 def test_single_targets_do_not_add_radiance_to_transmittance(device: Device) -> None:

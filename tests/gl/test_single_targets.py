@@ -11,10 +11,10 @@ from oitbench.errors import DeclarationError
 from oitbench.gl.device import Device
 from oitbench.modeling.mesh import quad
 from oitbench.scene import WHITE, Camera, Material, Object, Scene
-from tests.helpers import opened, stranger, write_method
+from tests.helpers import foreign_method, opened, write_method
 
 TARGETS = '{"one": Target("r32f", single=True), "four": Target("r32f")}'
-APART = """(
+SEPARATE = """(
         Gather("one.glsl", writes={"one": ADD}),
         Gather("four.glsl", writes={"four": ADD}),
     )"""
@@ -33,14 +33,9 @@ def rotated() -> Scene:
 def test_a_single_target_counts_centers_and_other_targets_count_samples(
     device: Device, rotated: Scene, tmp_path: Path
 ) -> None:
-    chosen = stranger(
-        str(
-            write_method(
-                tmp_path / "counting", APART, TARGETS, members="sample_count = 4", **SHADERS
-            )
-        )
-    )
-    with opened(device, rotated, chosen, (64, 64)) as frame:
+    members = "sample_count = 4"
+    folder = write_method(tmp_path / "counting", SEPARATE, TARGETS, members=members, **SHADERS)
+    with opened(device, rotated, foreign_method(folder), (64, 64)) as frame:
         frame.render()
         one, four = frame.read("one")[..., 0], frame.read("four")[..., 0]
         centers = frame.complexity[::-1]
@@ -54,7 +49,7 @@ def test_a_single_target_counts_centers_and_other_targets_count_samples(
 def test_a_pass_that_writes_single_and_other_targets_is_refused(
     device: Device, rotated: Scene, tmp_path: Path
 ) -> None:
-    chosen = stranger(str(write_method(tmp_path / "mixed", TOGETHER, TARGETS, **SHADERS)))
+    chosen = foreign_method(write_method(tmp_path / "mixed", TOGETHER, TARGETS, **SHADERS))
     refused = pytest.raises(DeclarationError, match="all targets or none must be single")
     with refused, opened(device, rotated, chosen, (8, 8)):
         pass

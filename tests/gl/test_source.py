@@ -9,8 +9,7 @@ import pytest
 from oitbench.errors import DeclarationError
 from oitbench.gl.device import Device
 from oitbench.gl.program.source import Source
-from oitbench.plugins import Collection
-from tests.helpers import Layer, render, stack, write_method
+from tests.helpers import Layer, foreign_method, render, stack, write_method
 
 SIMPLE = '(Gather("draw.glsl", writes={"color": ADD}),)'
 
@@ -23,7 +22,7 @@ def source_of(folder: Path, **files: str) -> Source:
 
 def failure(device: Device, folder: Path, **shaders: str) -> str:
     """Render a method with these shaders, and return the message of the error."""
-    chosen = Collection.load().add_method(write_method(folder / "simple", SIMPLE, **shaders))()
+    chosen = foreign_method(write_method(folder / "simple", SIMPLE, **shaders))
     with pytest.raises(DeclarationError) as caught:
         render(device, stack([Layer(2, 0.5)]), chosen)
     return str(caught.value).replace(str(folder), "")

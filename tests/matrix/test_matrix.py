@@ -257,13 +257,12 @@ def test_cells_are_timed_with_their_effects(
         return dict.fromkeys(frames, timing.Samples([1.0], [0.0]))
 
     monkeypatch.setattr(timing, "measure", measure)
-    bench = Bench(Collection.load(), tmp_path)
     cells = [
         Cell("shadow_trio[detail=0.05]", "sorted_over", (8, 8), effects=effects)
         for effects in ("requested", "-translucent_shadows")
     ]
-    bench.time(cells, rounds=1, budget=0.0)
-    bench.device.release()
+    with Bench(Collection.load(), tmp_path) as bench:
+        bench.time(cells, rounds=1, budget=0.0)
     shadows = [names(effects & SHADING) for effects in timed]
     assert shadows == [
         ["SHADOWS", "TRANSLUCENT_SHADOWS", "COLORED_SHADOWS", "CAUSTICS"],

@@ -14,6 +14,7 @@ from tests.helpers import (
     BLUE,
     RED,
     Layer,
+    assert_order_independent,
     collection,
     opened,
     random_lists,
@@ -110,11 +111,7 @@ def test_ten_orders_of_the_draws_give_the_same_picture(
 ) -> None:
     scene, _ = lists_scene(f"width=48,height=48,tinted=true,{body}")
     with opened(device, scene, f"a_buffer[node={node}]") as frame:
-        frame.render()
-        first = frame.image()
-        for seed in range(10):
-            frame.render(permutation=seed)
-            np.testing.assert_array_equal(frame.image(), first)
+        assert_order_independent(frame, 10)
 
 
 def test_permutations_shuffle_the_draws(device: Device) -> None:

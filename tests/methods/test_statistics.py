@@ -27,13 +27,13 @@ from tests.helpers import (
     WHITE,
     Layer,
     collection,
+    foreign_method,
     method,
     opened,
     random_lists,
     render,
     scene_of,
     stack,
-    stranger,
     write_method,
 )
 from tests.models import hashed_alpha as model
@@ -221,7 +221,7 @@ def probe(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def thresholds_of(
     device: Device, probe: Path, scene: Scene | FragmentLists, scale: float, side: int = 128
 ) -> npt.NDArray[np.float32]:
-    chosen = stranger(f"{probe}[scale={scale}]")
+    chosen = foreign_method(f"{probe}[scale={scale}]")
     return render(device, scene, chosen, size=(side, side))[..., 0]
 
 
