@@ -30,7 +30,7 @@ FILE = re.compile(r"`(?P<name>[\w./]+)`:\n\n\Z")
 
 @dataclass(frozen=True)
 class Block:
-    """A fenced block: its language, its text, and the file named in the line before it."""
+    """A fenced block: its language, its text, and the file named in the line above it."""
 
     kind: str
     text: str
