@@ -1,4 +1,4 @@
-"""The matrix that guards the methods, and its baseline; `python -m tests.guard` writes it anew."""
+"""A small matrix of all methods and its baseline. `python -m tests.guard` rewrites the baseline."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ SCENES = (
 
 
 def run(out: Path, scenes: Sequence[str] = SCENES, methods: Sequence[str] = ()) -> None:
-    """Render small images of these scenes with all methods at their defaults, or with some."""
+    """Render small images of these scenes. Default: all methods with their default parameters."""
     run_matrix(plan_matrix(scenes, methods, "guard", ssaa=1, out=out, workers=2))
 
 
 def main() -> None:
-    """Write the baseline, and print its differences from the one before."""
+    """Rewrite the baseline, and print its differences from the previous one."""
     before = baseline.read(BASELINE) if BASELINE.is_file() else None
     with TemporaryDirectory() as folder:
         run(Path(folder))

@@ -8,10 +8,13 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from oitbench.effects import Effect
 from oitbench.gl.device import Device
 from oitbench.gl.frame import Frame, Image
 from oitbench.gl.uploaded_scene import UploadedScene
+from oitbench.measure import accounting
 from oitbench.method import steps
 from oitbench.method.declaration import Method, Plan, Request, plan_of
 from oitbench.method.passes import Pass
@@ -53,7 +56,7 @@ __all__ = [
 
 
 class Empty(Method):
-    """Shows the opaque picture, in full precision."""
+    """Shows the opaque image in single precision."""
 
     name = "empty"
 
@@ -71,9 +74,9 @@ def method(text: str) -> Method:
     return found
 
 
-def stranger(text: str) -> Method:
-    """Return a method of a folder, which the other tests' collection does not learn of."""
-    (found,) = Collection.load().expand_methods([text])
+def foreign_method(source: Path | str) -> Method:
+    """Return the method in a folder; the collection that tests share stays unchanged."""
+    (found,) = Collection.load().expand_methods([str(source)])
     return found
 
 
@@ -86,7 +89,7 @@ def opened(
     effects: Effect | None = None,
     **options: Any,
 ) -> Iterator[Frame]:
-    """Yield a frame that has not been rendered yet; what it holds is freed afterwards."""
+    """Yield a frame that has not been rendered yet; it is released afterwards."""
     chosen = method(chosen) if isinstance(chosen, str) else chosen
     if size is None:
         assert scene.lists is not None
@@ -106,15 +109,30 @@ def render(
     permutation: int | None = None,
     **options: Any,
 ) -> Image:
-    """Return the picture of a scene, or of lists before the usual background."""
+    """Return the image of a scene, or of lists in front of `BACKGROUND`."""
     scene = scene_of(scene) if isinstance(scene, FragmentLists) else scene
     with opened(device, scene, chosen, **options) as frame:
         frame.render(permutation=permutation)
         return frame.image()
 
 
+def assert_order_independent(frame: Frame, orders: int) -> None:
+    """Assert that random orders of the draws give the same image, bit for bit."""
+    frame.render()
+    first = frame.image()
+    for seed in range(orders):
+        frame.render(permutation=seed)
+        np.testing.assert_array_equal(frame.image(), first)
+
+
+def bits_per_pixel(device: Device, scene: Scene, chosen: Method | str, **options: Any) -> float:
+    """Return the memory of a frame in bits per pixel."""
+    with opened(device, scene, chosen, **options) as frame:
+        return accounting.memory(frame).bits_per_pixel
+
+
 def full_plan(chosen: Method) -> Plan:
-    """Return the plan of a method for all that it can show."""
+    """Return the plan of a method for all effects and for particles."""
     return plan_of(chosen, Request(chosen.shows, particles=True))
 
 
@@ -137,7 +155,7 @@ def write_method(
     members: str = "",
     **shaders: str,
 ) -> Path:
-    """Write a method with this plan into `folder`; shaders by name, without their ending."""
+    """Write a method with this plan into `folder`; keys of `shaders` are names without suffix."""
     folder.mkdir(parents=True)
     lines = [
         '"""A method for tests."""',

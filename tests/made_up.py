@@ -1,4 +1,4 @@
-"""Records that were never rendered, for tests of everything that reads results."""
+"""Made-up records, for tests of code that reads results."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ VALUES: dict[str, float | None] = {
 
 
 def outcome_of(scores: dict[str, Scores], images: dict[str, str]) -> Outcome:
-    """Return the outcome of a frame of two targets."""
+    """Return the outcome of a frame with two passes."""
     return Outcome(
         parameters={},
         effects=EffectNames(["COVERAGE"], [], ["COVERAGE"]),
@@ -58,7 +58,7 @@ def outcome_of(scores: dict[str, Scores], images: dict[str, str]) -> Outcome:
 
 
 def record(method: str = "mean", scene: str = "glass[count=4]", **fields: Any) -> Record:
-    """Return the record of a cell that succeeded; `fields` replace fields of it."""
+    """Return the record of a cell that succeeded, with other values for `fields`."""
     scores = {EXACT: Scores(dict(VALUES)), PATH_TRACED: Scores(dict(VALUES))}
     name = method.partition("[")[0]
     time = Time(Interval(2.0, 1.9, 2.1, [2.0]), 0.0)
@@ -74,9 +74,9 @@ def failed(method: str = "mean", reason: str = "no such shader", **fields: Any) 
 
 
 def changed(item: Any, path: str, value: Any) -> Any:
-    """Return a copy of a record in which the field at a path, as `outcome.memory.bytes`, differs.
+    """Return a copy of a record with another value at a path such as `outcome.memory.bytes`.
 
-    Keys of mappings may contain dots if they come last.
+    Only the last key of a path may contain dots.
     """
     name, _, rest = path.partition(".")
     if isinstance(item, dict):

@@ -21,7 +21,7 @@ def bounds(mesh: Mesh) -> tuple[npt.NDArray[np.float32], npt.NDArray[np.float32]
 
 
 def face_normals(mesh: Mesh) -> Floats:
-    """Return the cross product of two edges of each triangle, of twice its area, shape (n, 3)."""
+    """Return normals of twice the area of each triangle, shape (n, 3)."""
     a, b, c = corners(mesh).swapaxes(0, 1)
     return np.asarray(np.cross(b - a, c - a))
 
@@ -92,6 +92,6 @@ def hits(mesh: Mesh, origin: npt.ArrayLike, direction: npt.ArrayLike) -> Floats:
 def count_hits(
     mesh: Mesh, origins: npt.ArrayLike, directions: npt.ArrayLike
 ) -> npt.NDArray[np.int64]:
-    """Return the number of triangles that each ray meets; one origin or direction may serve all."""
+    """Return the number of triangles that each ray meets; origins and directions broadcast."""
     pairs = np.broadcast_arrays(np.atleast_2d(origins), np.atleast_2d(directions))
     return np.array([len(hits(mesh, *pair)) for pair in zip(*pairs, strict=True)])

@@ -1,4 +1,4 @@
-"""A collection that misbehaves in every way that a run has to survive."""
+"""A collection of plugins that fail in different ways."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The pages are true: links, verbs, tables, commands and examples."""
+"""Links, commands, tables and examples of the documents are correct."""
 
 from __future__ import annotations
 
@@ -20,7 +20,6 @@ from oitbench.plugins import own_folder
 from oitbench.report import markdown
 from oitbench.results.records import Results
 from oitbench.stability import overview
-from tests.helpers import collection
 from tests.report.made_up import FACTS, finished
 
 ROOT = own_folder()
@@ -31,7 +30,7 @@ FILE = re.compile(r"`(?P<name>[\w./]+)`:\n\n\Z")
 
 @dataclass(frozen=True)
 class Block:
-    """A fenced block: its language, its text, and the file that the line before it names."""
+    """A fenced block: its language, its text, and the file named in the line above it."""
 
     kind: str
     text: str
@@ -46,7 +45,7 @@ def blocks(page: str) -> Iterator[Block]:
 
 
 def commands(page: str) -> list[str]:
-    """Return the commands of a page, which stand behind a `$`."""
+    """Return the commands of a page, which follow a `$`."""
     consoles = [block.text for block in blocks(page) if block.kind == "console"]
     return [line.removeprefix("$ ") for text in consoles for line in text.splitlines()]
 
@@ -57,7 +56,7 @@ def anchors(page: Path) -> set[str]:
 
 
 def call(command: str, folder: Path, cache: Path) -> None:
-    """Run one line of a page as a reader would, with this environment's programs first."""
+    """Run one line of a page in a shell, with the programs of this environment first."""
     programs = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
     done = subprocess.run(
         command,
@@ -72,7 +71,7 @@ def call(command: str, folder: Path, cache: Path) -> None:
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
-def test_links_lead_somewhere(page: Path) -> None:
+def test_links_have_targets(page: Path) -> None:
     for target in re.findall(r"\]\(([^)\s]+)\)", page.read_text(encoding="utf-8")):
         if "://" in target:
             continue
@@ -90,18 +89,18 @@ def test_pages_name_files_that_exist(page: Path) -> None:
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
-def test_verbs_exist(page: Path) -> None:
+def test_commands_exist(page: Path) -> None:
     text = page.read_text(encoding="utf-8")
     named = set(re.findall(r"(?:^\$ |`)oitbench ([a-z][a-z-]*)", text, re.MULTILINE))
     assert named <= set(VERBS), f"{page.name} names {sorted(named - set(VERBS))}"
 
 
-def test_the_readme_names_every_verb() -> None:
+def test_the_readme_names_every_command() -> None:
     named = re.findall(r"^\| `oitbench ([a-z-]+)", (ROOT / "README.md").read_text(), re.MULTILINE)
     assert sorted(named) == sorted(VERBS)
 
 
-def test_the_readme_names_scripts_that_can_be_run() -> None:
+def test_scripts_in_the_readme_are_executable() -> None:
     scripts = {line for line in commands("README.md") if line.startswith("./")}
     assert scripts == {"./reproduce.sh", "./test.sh"}
     for name in (*scripts, ".ci/run"):
@@ -110,7 +109,7 @@ def test_the_readme_names_scripts_that_can_be_run() -> None:
 
 
 @pytest.mark.parametrize(("number", "cells"), [(0, 17 * 3), (1, 3 * 3)])
-def test_runs_of_the_readme_can_be_planned(number: int, cells: int, tmp_path: Path) -> None:
+def test_runs_in_the_readme_can_be_planned(number: int, cells: int, tmp_path: Path) -> None:
     from oitbench.matrix.plan import plan_matrix
 
     line = [line for line in commands("README.md") if line.startswith("oitbench run")][number]
@@ -134,19 +133,20 @@ def rows_of(text: str) -> list[list[str]]:
     return [[cell.strip() for cell in line.strip("|").split(" | ")] for line in lines]
 
 
-def test_the_table_of_promises_is_that_of_the_code() -> None:
+def test_the_table_of_promises_equals_that_of_the_code() -> None:
     rows = rows_of((ROOT / "CONVENTIONS.md").read_text(encoding="utf-8"))
     found = {row[0]: row[1] for row in rows if row[0].strip("`") in PROMISES}
     assert found == {f"`{name}`": sentence for name, sentence in PROMISES.items()}
 
 
-def test_the_table_of_methods_is_that_of_the_command(device: Device) -> None:
-    methods = collection().expand_methods(list(collection().methods))
-    expected = rows_of(overview.table(overview.measure(device, methods)))
+def test_the_table_of_methods_equals_that_of_the_command(
+    device: Device, overviews: dict[str, overview.Overview]
+) -> None:
+    expected = rows_of(overview.table(list(overviews.values())))
     found = table("README.md", "methods")
     if device.software:
         assert found == expected
-    else:  # the numbers of another machine
+    else:  # numbers differ on other machines
         assert [row[0] for row in found[1:]] == [row[0] for row in expected[1:]]
         assert found[0] == expected[0]
 
@@ -169,18 +169,18 @@ def test_tables_of_results_have_the_layout_of_the_command(
 
 
 def split(rows: list[list[str]]) -> list[list[list[str]]]:
-    """Return the single tables of a list of rows; each begins with the heading "scene"."""
+    """Return the tables in a list of rows; each starts with the heading "scene"."""
     starts = [place for place, row in enumerate(rows) if row[0] == "scene"]
     return [rows[a:b] for a, b in zip(starts, [*starts[1:], len(rows)], strict=True)]
 
 
 def shape(cell: str) -> str:
-    """Return a cell with its numbers replaced; decimals of errors count, those of times do not."""
+    """Return a cell without its digits; errors keep their number of decimals, times do not."""
     cell = re.sub(r"[\d.]+ ms", "TIME", cell)
     return re.sub(r"\d", "0", cell)
 
 
-def test_the_readmes_python_runs(tmp_path: Path) -> None:
+def test_the_python_example_of_the_readme_runs(tmp_path: Path) -> None:
     (example,) = [block.text for block in blocks("README.md") if block.kind == "python"]
     (tmp_path / "example.py").write_text(
         example.replace("size=(256, 256)", "size=(32, 32)"), encoding="utf-8"
@@ -190,7 +190,7 @@ def test_the_readmes_python_runs(tmp_path: Path) -> None:
     assert (tmp_path / "trial" / "cells.jsonl").is_file()
 
 
-def test_the_walk_through_works(tmp_path: Path) -> None:
+def test_the_tutorial_works(tmp_path: Path) -> None:
     """Follow CONTRIBUTING.md in an empty folder: write the files, run the commands."""
     work = tmp_path / "work"
     work.mkdir()
@@ -210,7 +210,7 @@ def test_the_walk_through_works(tmp_path: Path) -> None:
 
 
 @pytest.mark.skipif(find_spec("ruff") is None, reason="needs ruff")
-def test_the_walk_throughs_python_is_formatted(tmp_path: Path) -> None:
+def test_the_python_files_of_the_tutorial_are_formatted(tmp_path: Path) -> None:
     for block in blocks("CONTRIBUTING.md"):
         if block.kind == "python" and block.file is not None:
             path = tmp_path / block.file.replace("/", "_")

@@ -1,4 +1,4 @@
-"""Rules that keep engine and content apart, and the command line quick."""
+"""The engine is independent of plugins, and the command line starts quickly."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ COMMENTS = {
 
 
 def content_names() -> set[str]:
-    """Return the names of all methods, with those of their classes, and of all scenes."""
+    """Return the names of all scenes, methods and classes of methods."""
     names = {path.stem for path in (ROOT / "scenes").glob("*.py")}
     for path in (ROOT / "methods").glob("*/method.py"):
         names.add(path.parent.name)
@@ -52,7 +52,7 @@ def words(source: str) -> Iterator[str]:
 
 
 def engine_text(path: Path) -> str:
-    """Return an engine file's text without its comments, and its Python docstrings."""
+    """Return the text of an engine file without comments and docstrings."""
     source = path.read_text(encoding="utf-8")
     if path.suffix == ".py":
         return "\n".join(words(source))
@@ -60,7 +60,7 @@ def engine_text(path: Path) -> str:
 
 
 def mentions(text: str, names: set[str]) -> set[str]:
-    """Return those of `names` that stand in `text` as a word, or as a part of an identifier."""
+    """Return the `names` that `text` contains as words or as parts of identifiers."""
     return {n for n in names if re.search(rf"(?<![A-Za-z0-9]){re.escape(n)}(?![A-Za-z0-9])", text)}
 
 
@@ -85,7 +85,7 @@ def relative(path: Path) -> str:
     return path.relative_to(ROOT).as_posix()
 
 
-def test_names_are_found_in_code_and_not_in_prose() -> None:
+def test_names_are_found_only_in_code() -> None:
     names = {"glass", "Glass"}
     prose = '"""Of glass."""\nx = 1  # glass\n"""Of Glass."""\n'
     assert not mentions("\n".join(words(prose)), names)
@@ -95,32 +95,32 @@ def test_names_are_found_in_code_and_not_in_prose() -> None:
 
 
 @pytest.mark.parametrize("path", engine_files(), ids=relative)
-def test_the_engine_knows_no_method_and_no_scene(path: Path) -> None:
+def test_the_engine_names_no_method_and_no_scene(path: Path) -> None:
     found = mentions(engine_text(path), content_names())
     assert not found, f"{relative(path)} names {', '.join(sorted(found))}"
 
 
 @pytest.mark.parametrize("path", content_files(), ids=relative)
-def test_content_imports_the_engine_and_no_other_content(path: Path) -> None:
+def test_plugins_import_no_other_plugins(path: Path) -> None:
     foreign = {name for name in imports(path) if name.partition(".")[0] not in ALLOWED}
     assert not foreign, f"{relative(path)} imports {', '.join(sorted(foreign))}"
 
 
 @pytest.mark.parametrize("path", engine_files(), ids=relative)
-def test_the_engine_imports_no_content(path: Path) -> None:
+def test_the_engine_imports_no_plugins(path: Path) -> None:
     if path.suffix == ".py":
         assert not {name.partition(".")[0] for name in imports(path)} & {*CONTENT, "tests", "."}
 
 
 @pytest.mark.parametrize("path", sorted((ROOT / "methods").rglob("*.glsl")), ids=relative)
-def test_shaders_include_their_own_files_or_the_engines(path: Path) -> None:
+def test_shaders_include_only_files_of_their_method_and_of_the_engine(path: Path) -> None:
     for name in re.findall(r'#include\s+"([^"]+)"', path.read_text(encoding="utf-8")):
         folder, _, file = name.rpartition("/")
         places = {"": path.parent, "oitbench": ENGINE / "gl" / "shaders"}
         assert (places.get(folder, ENGINE / "method" / "kits" / folder) / file).is_file(), name
 
 
-def test_listing_imports_nothing_heavy() -> None:
+def test_the_list_command_imports_no_large_package() -> None:
     code = (
         "import sys\nfrom oitbench.cli import group\n"
         "group.main(['list'], standalone_mode=False)\n"

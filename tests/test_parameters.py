@@ -1,4 +1,4 @@
-"""`NAME[param=v,w]`: what it stands for, and what is said about what it cannot stand for."""
+"""Labels such as `NAME[param=v,w]`: their meaning, and errors in them."""
 
 from __future__ import annotations
 
@@ -22,32 +22,32 @@ def assignments(given: str) -> list[dict[str, Value]]:
     return list(expand(parse(given), PARAMETERS))
 
 
-def test_a_bare_name_stands_for_all_defaults() -> None:
+def test_a_bare_name_has_the_default_values() -> None:
     defaults = {"node": "precise", "count": 4, "alpha": 0.5, "radiance": 1.0, "tinted": False}
     assert assignments("thing") == [defaults]
     assert assignments("thing[]") == [defaults]
 
 
-def test_lists_of_values_stand_for_their_product() -> None:
+def test_lists_of_values_are_multiplied() -> None:
     found = assignments("thing[node=precise,compact,count=1,2,3]")
     assert [(a["node"], a["count"]) for a in found] == [
         (node, count) for node in ("precise", "compact") for count in (1, 2, 3)
     ]
 
 
-def test_spaces_and_repeated_keys_are_understood() -> None:
+def test_spaces_are_ignored_and_repeated_keys_are_combined() -> None:
     assert parse(" thing[ count = 1 , 2, node=compact, count=3 ] ").grid == {
         "count": ("1", "2", "3"),
         "node": ("compact",),
     }
 
 
-def test_a_path_is_a_name() -> None:
+def test_a_path_can_be_a_name() -> None:
     assert parse("../my-methods/x.y[count=1]").name == "../my-methods/x.y"
 
 
 @pytest.mark.parametrize("given", ["", "[count=1]", "thing[count=1", "thing]", "a[b=1][c=2]"])
-def test_what_cannot_be_read_is_quoted(given: str) -> None:
+def test_a_label_that_cannot_be_read_is_quoted(given: str) -> None:
     with pytest.raises(UsageError, match="cannot read") as caught:
         parse(given)
     assert f"'{given}'" in str(caught.value)
@@ -58,13 +58,13 @@ def test_a_value_before_any_parameter_is_refused() -> None:
         parse("thing[4]")
 
 
-def test_a_wrong_parameter_brings_the_nearest() -> None:
+def test_the_error_for_an_unknown_parameter_suggests_the_nearest() -> None:
     with pytest.raises(UsageError, match="parameter of thing 'alhpa'; did you mean alpha"):
         assignments("thing[alhpa=1]")
 
 
 @pytest.mark.parametrize(
-    ("given", "told"),
+    ("given", "message"),
     [
         ("thing[node=tiny]", "node cannot be tiny; choose from precise, compact"),
         ("thing[node=]", "node cannot be ; choose"),
@@ -79,24 +79,24 @@ def test_a_wrong_parameter_brings_the_nearest() -> None:
         ("thing[tinted=yes]", "tinted takes bool, not 'yes'"),
     ],
 )
-def test_a_wrong_value_is_told_with_what_is_allowed(given: str, told: str) -> None:
+def test_the_error_for_a_wrong_value_states_the_allowed_values(given: str, message: str) -> None:
     with pytest.raises(UsageError) as caught:
         assignments(given)
-    assert str(caught.value).startswith(f"thing: {told}")
+    assert str(caught.value).startswith(f"thing: {message}")
 
 
-def test_values_from_python_are_checked_alike() -> None:
+def test_values_from_python_are_checked_too() -> None:
     assert PARAMETERS["alpha"].check("thing", "alpha", 1) == 1.0
     for wrong in (True, "0.5", math.nan):
         with pytest.raises(UsageError, match="alpha"):
             PARAMETERS["alpha"].check("thing", "alpha", wrong)
 
 
-def test_a_label_holds_only_what_differs_from_the_defaults() -> None:
+def test_a_label_has_only_values_that_differ_from_the_defaults() -> None:
     values: dict[str, Value] = {"node": "precise", "count": 2, "alpha": 0.5, "tinted": True}
     assert label("thing", values, PARAMETERS) == "thing[count=2,tinted=true]"
 
 
 @pytest.mark.parametrize("value", [0.1, 1 / 3, 0.123456789, 1e-7, 1.0, 123456789.0])
-def test_a_label_brings_back_the_very_number(value: float) -> None:
+def test_numbers_in_labels_are_exact(value: float) -> None:
     assert float(text(value)) == value

@@ -1,4 +1,4 @@
-"""Plugins are found by path, from wherever; a broken one hurts only who asks for it."""
+"""Plugins are found by name and by path; a broken plugin is an error only when it is used."""
 
 from __future__ import annotations
 
@@ -36,16 +36,16 @@ def build(*, name: str, alpha: float) -> Scene:
 
 
 def write_file(folder: Path, text: str) -> Path:
-    """Write a method's folder that holds no shaders."""
+    """Write the folder of a method without shaders."""
     folder.mkdir(parents=True)
     (folder / "method.py").write_text(text)
     return folder
 
 
 @pytest.fixture
-def strangers(tmp_path: Path) -> Path:
-    """A collection of somebody else's, with one of each kind and one broken of each."""
-    folder = tmp_path / "strange place"
+def foreign(tmp_path: Path) -> Path:
+    """A foreign collection with one working and one broken plugin of each kind."""
+    folder = tmp_path / "other place"
     write_file(folder / "methods" / "mine", METHOD)
     write_file(folder / "methods" / "broken", "import no_such_module\n")
     for kind in ("scenes", "reports"):
@@ -63,63 +63,63 @@ def test_the_suite_has_its_own_plugins() -> None:
     assert own_folder() in found.folders
 
 
-def test_plugins_are_found_whatever_folder_one_stands_in(strangers: Path) -> None:
+def test_plugins_are_found_from_any_folder(foreign: Path) -> None:
     script = (
         "from oitbench.plugins import Collection;"
-        f"c = Collection.load([{str(strangers)!r}]);"
+        f"c = Collection.load([{str(foreign)!r}]);"
         "print('a_buffer' in c.methods, 'mine' in c.methods, c.build_scene('wall').name)"
     )
     answer = subprocess.run(
-        [sys.executable, "-c", script], cwd=strangers, capture_output=True, text=True, check=True
+        [sys.executable, "-c", script], cwd=foreign, capture_output=True, text=True, check=True
     )
     assert answer.stdout.split() == ["True", "True", "wall"]
 
 
-def test_a_strangers_plugins_stand_beside_the_suites_own(strangers: Path) -> None:
-    found = Collection.load([strangers])
+def test_plugins_of_a_foreign_collection_are_added(foreign: Path) -> None:
+    found = Collection.load([foreign])
     (mine,) = found.expand_methods(["mine[strength=5]"])
     assert (mine.label, mine.values) == ("mine[strength=5]", {"strength": 5})
-    assert mine.folders == (strangers / "methods" / "mine",)
+    assert mine.folders == (foreign / "methods" / "mine",)
     assert found.build_scene("wall[alpha=0.25]").objects[0].material.coverage == 0.25
     assert found.reports["mine"].__doc__ == "A report."
     assert "a_buffer" in found.methods
 
 
 @pytest.mark.parametrize("kind", ["method", "scene", "report"])
-def test_two_plugins_of_one_name_are_refused(kind: str, strangers: Path, tmp_path: Path) -> None:
+def test_plugins_with_the_same_name_are_refused(kind: str, foreign: Path, tmp_path: Path) -> None:
     other = tmp_path / "other"
-    shutil.copytree(strangers, other)
-    for folder in (strangers, other):
+    shutil.copytree(foreign, other)
+    for folder in (foreign, other):
         for name in {"method", "scene", "report"} - {kind}:
             shutil.rmtree(folder / f"{name}s")
     with pytest.raises(UsageError, match=f"two {kind}s are named") as caught:
-        Collection.load([strangers, other])
-    assert str(strangers) in str(caught.value)
+        Collection.load([foreign, other])
+    assert str(foreign) in str(caught.value)
     assert str(other) in str(caught.value)
 
 
-def test_a_folder_that_is_given_twice_is_added_once(strangers: Path) -> None:
-    found = Collection.load([strangers, strangers / "methods" / ".."])
-    assert found.folders.count(strangers) == 1
+def test_a_folder_that_is_given_twice_is_added_once(foreign: Path) -> None:
+    found = Collection.load([foreign, foreign / "methods" / ".."])
+    assert found.folders.count(foreign) == 1
 
 
-def test_only_the_suites_own_method_can_be_the_truth(strangers: Path) -> None:
-    write_file(strangers / "methods" / "mythical", METHOD + "    truth = {}\n")
-    found = Collection.load([strangers])
+def test_only_a_method_of_the_suite_can_be_the_truth(foreign: Path) -> None:
+    write_file(foreign / "methods" / "mythical", METHOD + "    truth = {}\n")
+    found = Collection.load([foreign])
     with pytest.raises(DeclarationError, match="only the suite's own method can be the truth"):
         found.methods["mythical"]
     assert found.truth().name == "a_buffer"
 
 
-def test_methods_of_a_collection_share_its_shaders(strangers: Path) -> None:
-    (strangers / "glsl").mkdir()
-    found = Collection.load([strangers])
-    folder = strangers / "methods" / "mine"
-    assert found.methods["mine"].folders == (folder, strangers / "glsl")
+def test_methods_of_a_collection_share_its_shaders(foreign: Path) -> None:
+    (foreign / "glsl").mkdir()
+    found = Collection.load([foreign])
+    folder = foreign / "methods" / "mine"
+    assert found.methods["mine"].folders == (folder, foreign / "glsl")
 
 
-def test_a_broken_plugin_hurts_only_who_asks(strangers: Path) -> None:
-    found = Collection.load([strangers])
+def test_a_broken_plugin_is_an_error_only_when_it_is_used(foreign: Path) -> None:
+    found = Collection.load([foreign])
     assert "broken" in list(found.methods)
     assert found.truth().name == "a_buffer"
     with pytest.raises(DeclarationError, match=r"broken/method\.py:1: ModuleNotFoundError"):
@@ -130,27 +130,27 @@ def test_a_broken_plugin_hurts_only_who_asks(strangers: Path) -> None:
         found.reports["broken"]
 
 
-def test_a_method_is_taken_from_a_folder_by_its_path(strangers: Path) -> None:
-    folder = strangers / "methods" / "mine"
+def test_a_method_can_be_the_path_of_its_folder(foreign: Path) -> None:
+    folder = foreign / "methods" / "mine"
     (mine,) = Collection.load().expand_methods([f"{folder}[strength=7]"])
     assert mine.label == "mine[strength=7]"
 
 
-def test_a_relative_path_is_taken_from_where_one_stands(
-    strangers: Path, monkeypatch: pytest.MonkeyPatch
+def test_a_relative_path_starts_at_the_current_folder(
+    foreign: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.chdir(strangers / "methods")
+    monkeypatch.chdir(foreign / "methods")
     (mine,) = Collection.load().expand_methods(["mine"])
     assert mine.name == "mine"
 
 
-def test_folders_whose_names_differ_in_signs_alone_are_kept_apart(tmp_path: Path) -> None:
+def test_folders_whose_names_differ_only_in_punctuation_are_distinct(tmp_path: Path) -> None:
     folders = [write_file(tmp_path / name, METHOD) for name in ("my-way", "my_way", "my.way")]
     found = Collection.load().expand_methods([str(folder) for folder in folders])
     assert [item.folders[0] for item in found] == folders
 
 
-def test_names_and_paths_that_lead_nowhere_are_errors(tmp_path: Path) -> None:
+def test_unknown_names_and_paths_are_refused(tmp_path: Path) -> None:
     found = Collection.load()
     with pytest.raises(UsageError, match="unknown method 'a_bufer'; did you mean a_buffer"):
         found.expand_methods(["a_bufer"])
@@ -172,31 +172,31 @@ def test_a_file_must_define_exactly_one_method(tmp_path: Path) -> None:
             Collection.load().add_method(folder)
 
 
-def test_a_scene_must_say_what_it_can_be_asked_for(strangers: Path) -> None:
-    (strangers / "scenes" / "silent.py").write_text("def build() -> None: ...\n")
+def test_a_scene_must_define_its_parameters(foreign: Path) -> None:
+    (foreign / "scenes" / "silent.py").write_text("def build() -> None: ...\n")
     with pytest.raises(DeclarationError, match=r"silent\.py: defines no 'parameters'"):
-        Collection.load([strangers]).build_scene("silent")
+        Collection.load([foreign]).build_scene("silent")
 
 
-def test_an_installed_package_brings_its_collection(
-    strangers: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+def test_the_collection_of_an_installed_package_is_found(
+    foreign: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     package = tmp_path / "site"
-    (package / "strange").mkdir(parents=True)
-    (package / "strange" / "__init__.py").write_text(f"FOLDER = {str(strangers)!r}\n")
-    facts = package / "strange-1.0.dist-info"
+    (package / "extra").mkdir(parents=True)
+    (package / "extra" / "__init__.py").write_text(f"FOLDER = {str(foreign)!r}\n")
+    facts = package / "extra-1.0.dist-info"
     facts.mkdir()
-    (facts / "METADATA").write_text("Metadata-Version: 2.1\nName: strange\nVersion: 1.0\n")
-    (facts / "entry_points.txt").write_text("[oitbench.collections]\nstrange = strange:FOLDER\n")
+    (facts / "METADATA").write_text("Metadata-Version: 2.1\nName: extra\nVersion: 1.0\n")
+    (facts / "entry_points.txt").write_text("[oitbench.collections]\nextra = extra:FOLDER\n")
     monkeypatch.syspath_prepend(str(package))
     found = Collection.load()
-    assert strangers in found.folders
+    assert foreign in found.folders
     assert "mine" in found.methods
 
 
-def test_underscored_and_hidden_files_are_no_plugins(strangers: Path) -> None:
-    (strangers / "scenes" / "_helpers.py").write_text("")
-    write_file(strangers / "methods" / "_draft", METHOD)
-    found = Collection.load([strangers])
+def test_files_with_an_underscore_are_no_plugins(foreign: Path) -> None:
+    (foreign / "scenes" / "_helpers.py").write_text("")
+    write_file(foreign / "methods" / "_draft", METHOD)
+    found = Collection.load([foreign])
     assert "_helpers" not in found.scenes
     assert "_draft" not in found.methods

@@ -1,8 +1,9 @@
-"""The wheel is complete: it lists and renders from an installation that knows no checkout."""
+"""The wheel is complete: an installation without the checkout lists plugins and renders."""
 
 from __future__ import annotations
 
 import json
+import os
 import subprocess
 import sys
 import sysconfig
@@ -19,9 +20,11 @@ ROOT = own_folder()
 
 
 def call(arguments: Sequence[str | Path], folder: Path) -> str:
+    """Run a command in a folder, without the tests' module path; return its output."""
     done = subprocess.run(
         [str(argument) for argument in arguments],
         cwd=folder,
+        env={name: value for name, value in os.environ.items() if name != "PYTHONPATH"},
         capture_output=True,
         text=True,
         timeout=300,
@@ -49,21 +52,22 @@ def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def installed(wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return the `bin` folder of an environment that has the wheel.
 
-    What the project depends on is borrowed from the environment that runs the tests. Its path file
-    is not read from there, so neither is the checkout found.
+    Dependencies and pip come from the environment of the tests. Its path files are not read, so
+    the checkout is not found.
     """
     folder = tmp_path_factory.mktemp("environment")
-    venv.create(folder, with_pip=True)
+    venv.create(folder, with_pip=False)
     programs = folder / "bin"
-    install = ("install", "--quiet", "--no-deps", "--no-index")
-    call([programs / "python", "-m", "pip", *install, wheel], folder)
     (site,) = folder.glob("lib/python*/site-packages")
     borrowed = {sysconfig.get_path(name) for name in ("purelib", "platlib")}
     (site / "borrowed.pth").write_text("\n".join(sorted(borrowed)) + "\n", encoding="utf-8")
+    # The installation of the checkout is visible too; it must stay as it is.
+    install = ("install", "--quiet", "--no-deps", "--no-index", "--ignore-installed")
+    call([programs / "python", "-m", "pip", *install, wheel], folder)
     return programs
 
 
-def test_the_wheel_holds_engine_and_content(wheel: Path) -> None:
+def test_the_wheel_contains_engine_and_plugins(wheel: Path) -> None:
     names = {name for name in zipfile.ZipFile(wheel).namelist() if ".dist-info/" not in name}
     expected = {f"oitbench/{name}" for name in shipped(ROOT / "oitbench")}
     for kind in KINDS:
@@ -71,7 +75,7 @@ def test_the_wheel_holds_engine_and_content(wheel: Path) -> None:
     assert names == expected
 
 
-def test_the_wheel_lists_what_the_checkout_has(installed: Path, tmp_path: Path) -> None:
+def test_the_wheel_lists_the_methods_of_the_checkout(installed: Path, tmp_path: Path) -> None:
     where = call(
         [installed / "python", "-c", "import oitbench; print(oitbench.__file__)"], tmp_path
     )
@@ -91,7 +95,7 @@ def test_the_wheel_renders(installed: Path, tmp_path: Path) -> None:
     call([*render, "-o", "picture.png"], tmp_path)
     call([*render, "-o", "picture.exr"], tmp_path)
     assert (tmp_path / "picture.png").read_bytes().startswith(b"\x89PNG")
-    # Two half-covering layers of 0.5 over a background of 0.25, all alike in any order.
+    # Two layers of coverage 0.5 and radiance 0.5 over a background of 0.25.
     picture = images.read_exr(tmp_path / "picture.exr")
     assert picture.shape == (32, 32, 3)
     assert abs(picture - (0.5 * 0.75 + 0.25 * 0.25)).max() < 1e-3

@@ -1,10 +1,10 @@
-"""Prints and plots what one more layer costs: frame time against layer count, per method.
+"""Print and plot the frame time of each method against the number of layers.
 
     python tests/benchmarks/layers.py [METHOD ...]
 
-Layers of random depth cover a frame of 128×128; their number doubles from 8 to 512. The slope of
-the log-log fit says how a method scales: 1 is linear in the layers, 2 quadratic. Figures go to
-results/benchmarks/layers.{png,pdf,csv}.
+Layers of random depth cover a frame of 128×128 pixels. Their number doubles from 8 to 512. The
+slope of a log-log fit is the order of growth: 1 is linear in the number of layers, 2 is quadratic.
+The output is results/benchmarks/layers.{png,pdf,csv}.
 """
 
 from __future__ import annotations
@@ -28,13 +28,13 @@ SIDE = 128
 COUNTS = (8, 16, 32, 64, 128, 256, 512)
 ROUNDS = 5
 TOO_LONG = 800.0
-"""Milliseconds a frame after which a method is not asked for more layers."""
+"""Frame time, ms, above which a method is not measured with more layers."""
 OUT = Path("results/benchmarks")
 Times = dict[str, dict[int, float]]
 
 
 def measure(methods: list[Method], collection: Collection) -> Times:
-    """Return the median milliseconds of every method at every count that it can do."""
+    """Return the median frame times, ms, by method and number of layers."""
     device = Device()
     times: Times = {method.label: {} for method in methods}
     for count in COUNTS:
@@ -60,7 +60,7 @@ def measure(methods: list[Method], collection: Collection) -> Times:
 
 
 def slope(times: dict[int, float]) -> float:
-    """Return the exponent p of time ~ layers^p, fitted where rendering outweighs the frame."""
+    """Return the exponent p of time ~ layers^p, from 32 layers up: below, fixed costs dominate."""
     counts = [count for count in times if count >= 32]
     x, y = np.log(np.array(counts, float)), np.log(np.array([times[count] for count in counts]))
     return float(np.polyfit(x, y, 1)[0])
@@ -82,16 +82,16 @@ def plot(times: Times, methods: list[Method], known: list[str]) -> None:
             )
         axes.set_xticks(COUNTS, [str(count) for count in COUNTS])
         axes.set_xlim(COUNTS[0] * 0.9, COUNTS[-1] * 6)
-        axes.set_xlabel("layers a pixel")
+        axes.set_xlabel("layers per pixel")
         axes.set_ylabel(f"frame time at {SIDE}×{SIDE}, ms")
         curves = [(list(points), list(points.values())) for points in times.values()]
         labels.place(axes, marks, lines=curves)
-        caption = "Frame time against layers a pixel; the number is the fitted exponent."
-        figures.save(figure, OUT / "layers", title="Cost of a layer", caption=caption)
+        caption = "Frame time against layers per pixel. The number is the fitted exponent."
+        figures.save(figure, OUT / "layers", title="Cost of layers", caption=caption)
 
 
 def main(texts: list[str]) -> None:
-    """Measure, print, plot."""
+    """Measure, print and plot."""
     collection = Collection.load()
     methods = collection.expand_methods(texts or list(collection.methods))
     times = measure(methods, collection)

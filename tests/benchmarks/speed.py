@@ -1,9 +1,9 @@
-"""Prints speed figures as ratios to alpha blending; run it by hand, it passes and fails nothing.
+"""Print frame times as ratios to alpha blending. This is a script to run by hand, not a test.
 
     python tests/benchmarks/speed.py [METHOD ...]
 
-The load is 32 overlapping quads at 512×512, about 3.4 million fragments. All methods are timed in
-shuffled rounds of one run, so that a machine whose speed drifts hurts all alike.
+The scene has 32 overlapping quads at 512×512 pixels, about 3.4 million fragments. All methods are
+timed in shuffled rounds of one run, so that a drift of the machine's speed affects all equally.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ ROUNDS = 21
 
 
 def overlapping_quads(count: int = 32, seed: int = 1) -> Scene:
-    """Return quads of 40 % of the frame's area each, at random places and distances."""
+    """Return quads at random places and distances, each of 40 % of the frame's area."""
     generator = np.random.default_rng(seed)
     objects = []
     for index in range(count):
@@ -48,7 +48,7 @@ def overlapping_quads(count: int = 32, seed: int = 1) -> Scene:
 
 
 def frames_of(uploaded: UploadedScene, names: list[str], size: tuple[int, int]) -> dict[str, Frame]:
-    """Return a rendered frame of every method."""
+    """Return a frame of each method that has been rendered once."""
     frames = {}
     for method in Collection.load().expand_methods(names):
         effects = uploaded.scene.effects & method.shows
@@ -58,7 +58,7 @@ def frames_of(uploaded: UploadedScene, names: list[str], size: tuple[int, int]) 
 
 
 def main(names: list[str]) -> None:
-    """Measure and print."""
+    """Measure, and print the table."""
     device = Device()
     uploaded = UploadedScene(device, overlapping_quads())
     names = [BASE, *(name for name in names or METHODS if name != BASE)]
@@ -67,7 +67,7 @@ def main(names: list[str]) -> None:
     print(f"{device.renderer}: {SIZE[0]}x{SIZE[1]}, {fragments / 1e6:.2f} M fragments")
     timings = timing.measure(frames, ROUNDS, budget=120)
     tiny = frames_of(uploaded, names, (1, 1))
-    # Without the draws themselves, what is left of a frame is Python and the state it sets.
+    # Without draws, a frame consists of Python code and changes of OpenGL state.
     with patch.object(moderngl.VertexArray, "render", lambda *_, **__: None):
         shares = timing.measure(tiny, ROUNDS, budget=10)
     base = np.array(timings[BASE].frame_ms)
@@ -91,7 +91,7 @@ def main(names: list[str]) -> None:
 
 
 def passes_of(frame: Frame) -> list[str]:
-    """Return one line a pass: where the time of a frame goes, each pass waited for."""
+    """Return one line per pass with its time; each pass is finished before the next one starts."""
     passes = frame.measure().passes
     return [f"{record.name:20} {record.milliseconds:8.2f} ms" for record in passes]
 

@@ -1,12 +1,13 @@
-"""Prints what each stage of a lit frame costs: table 1 of McGuire & Mara 2017, measured here.
+"""Print the time of each stage of a lit frame, as in table 1 of McGuire & Mara 2017.
 
     python tests/benchmarks/stages.py [--size 1920x1080] [--rounds 9] [SCENE ...]
 
-Stages are shadow maps, their filtering, transparency and resolve; a scene with particles has a
-second row, for which they are accumulated at a quarter of the width and height. Upsampling counts
-as resolve, as it does there; shrinking the depth counts as the particles'. All draws are waited
-for, and the variants of a scene take turns in shuffled order, so that a machine whose speed drifts
-hurts all alike. Figures go to results/benchmarks/stages.{md,csv}; without names all lit scenes run.
+The stages are shadow maps, their filtering, transparency and resolve. A scene with particles has a
+second row, in which particles are accumulated at a quarter of the width and height. Upsampling is
+part of the resolve, as in the paper; downsampling of the depth is part of the particles. Each draw
+is finished before the next one starts. The variants of a scene alternate in shuffled order, so that
+a drift of the machine's speed affects all equally. Default: all lit scenes. The output is
+results/benchmarks/stages.{md,csv}.
 """
 
 from __future__ import annotations
@@ -35,9 +36,9 @@ OCCLUSION = "ambient occlusion"
 SHADING = ("shadow maps", "variance maps", OCCLUSION)
 COLUMNS = (*SHADING, PARTICLES, OTHERS, FOG, TOTAL, RESOLVE, GAIN)
 WARM_UP = 2
-"""Measured frames that do not count: drivers compile again for the queries that measuring adds."""
+"""Measured frames that are discarded: drivers compile again for the queries of a measurement."""
 BUDGET = 120.0
-"""Seconds a scene after which no further round begins, once three are complete."""
+"""Seconds per scene after which no further round starts, once three are complete."""
 OUT = Path("results/benchmarks")
 ENDS = ("median", "low", "high")
 Samples = dict[str, list[float]]
@@ -45,7 +46,7 @@ Samples = dict[str, list[float]]
 
 @dataclass(frozen=True)
 class Row:
-    """One variant of a scene: [median, low, high] of each stage that it has, in milliseconds."""
+    """One variant of a scene: [median, low, high] of each of its stages, in milliseconds."""
 
     scene: str
     variant: str
@@ -54,23 +55,23 @@ class Row:
     @property
     def text(self) -> str:
         """The row in Markdown."""
-        told = {
+        cells = {
             stage: f"{median:.2f} [{low:.2f}, {high:.2f}]"
             for stage, (median, low, high) in self.stages.items()
         }
-        return _line([self.scene, self.variant, *(told.get(column, "") for column in COLUMNS)])
+        return _line([self.scene, self.variant, *(cells.get(column, "") for column in COLUMNS)])
 
 
 def stage_of(step: Pass, mixed: bool) -> str:
-    """Return the stage that a pass belongs to; `mixed` says that particles are drawn apart."""
+    """Return the stage of a pass; with `mixed`, particles are drawn separately."""
     if isinstance(step, Gather):
-        apart = {Objects.PARTICLES: PARTICLES, Objects.OTHERS: OTHERS}
-        return apart.get(step.objects, TOTAL) if mixed else OTHERS
+        separate = {Objects.PARTICLES: PARTICLES, Objects.OTHERS: OTHERS}
+        return separate.get(step.objects, TOTAL) if mixed else OTHERS
     return {"fog": FOG, "shrink_depth": PARTICLES}.get(step.name, RESOLVE)
 
 
 def measured(frame: Frame, mixed: bool) -> dict[str, float]:
-    """Return the milliseconds of each stage of one frame."""
+    """Return the time of each stage of one frame, in milliseconds."""
     measurement = frame.measure()
     stages: dict[str, float] = {}
     for step, record in zip(frame.plan.passes, measurement.passes, strict=True):
@@ -85,7 +86,7 @@ def measured(frame: Frame, mixed: bool) -> dict[str, float]:
 
 
 def measure(device: Device, scene: Scene, size: tuple[int, int], rounds: int) -> dict[str, Samples]:
-    """Return the samples of every stage, by variant: one a round."""
+    """Return the samples of every stage by variant, one per round."""
     collection, uploaded = Collection.load(), UploadedScene(device, scene)
     mixed = uploaded.geometry.has(Objects.PARTICLES)
     frames = {}
@@ -112,9 +113,9 @@ def measure(device: Device, scene: Scene, size: tuple[int, int], rounds: int) ->
 
 
 def _compare(samples: dict[str, Samples]) -> None:
-    """Add what the particles alone cost at full resolution, and how many times less in blocks."""
+    """Add the time of the particles at full resolution, and its ratio to their time in blocks."""
     full, small = samples["1x1"], samples["4x4 sub."]
-    # Everything else is drawn alike in both variants, so it can be taken off.
+    # All other objects are drawn the same way in both variants, so their time is subtracted.
     others = np.median(small.get(OTHERS, [0.0])) + np.median(full.get(FOG, [0.0]))
     full[PARTICLES] = [value - float(others) for value in full[TOTAL]]
     small[GAIN] = [
@@ -123,7 +124,7 @@ def _compare(samples: dict[str, Samples]) -> None:
 
 
 def rows_of(name: str, samples: Mapping[str, Samples]) -> list[Row]:
-    """Return one row a variant: scene, variant, and [median, low, high] a stage that there is."""
+    """Return one row per variant with [median, low, high] of each of its stages."""
     rows = []
     for variant, stages in samples.items():
         facts = {stage: timing.interval(values) for stage, values in stages.items()}
@@ -152,7 +153,7 @@ def _line(cells: Sequence[str]) -> str:
 
 
 def main() -> None:
-    """Measure, print, write."""
+    """Measure, print and write."""
     parser = argparse.ArgumentParser()
     parser.add_argument("scenes", nargs="*")
     parser.add_argument("--size", default="512x384")

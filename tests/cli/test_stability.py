@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from oitbench.cli import main
 from oitbench.stability import suite
+from tests.cli.helpers import Call
 from tests.stability.helpers import CHECKS, writing
 
 
@@ -18,35 +18,25 @@ def few_checks(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(suite, "checks", lambda: few)
 
 
-def run(monkeypatch: pytest.MonkeyPatch, *arguments: str) -> int:
-    """Return the exit code of the command."""
-    monkeypatch.setattr("sys.argv", ["oitbench", "stability", *arguments])
-    with pytest.raises(SystemExit) as stop:
-        main()
-    assert isinstance(stop.value.code, int)
-    return stop.value.code
-
-
-def test_programs_get_results_and_an_exit_code(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+def test_json_output_has_all_results_and_failures_set_the_exit_code(
+    call: Call, tmp_path: Path
 ) -> None:
     writing(tmp_path, "vec4(0.5)")
     for name, code in (("a_buffer", 0), (str(tmp_path / "writing"), 1)):
-        options = ("--method", name, "--out", str(tmp_path), "--json")
-        assert run(monkeypatch, *options) == code
-        content = json.loads(capsys.readouterr().out)
+        answer = call("stability", "--method", name, "--out", tmp_path, "--json")
+        assert answer.code == code
+        content = json.loads(answer.out)
         assert content["gl"]["renderer"]
         assert any(result["failed"] for result in content["results"]) == bool(code)
 
 
-def test_readers_get_counts_and_faults_by_name(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_text_output_has_counts_and_failures_by_name(call: Call, tmp_path: Path) -> None:
     writing(tmp_path, "vec4(0.5)")
-    names = ("a_buffer[node=compact]", str(tmp_path / "writing"))
+    names = ("a_buffer[node=compact]", tmp_path / "writing")
     options = [part for name in names for part in ("--method", name)]
-    assert run(monkeypatch, *options, "--out", str(tmp_path)) == 1
-    lines = capsys.readouterr().out.splitlines()
+    answer = call("stability", *options, "--out", tmp_path)
+    assert answer.code == 1
+    lines = answer.out.splitlines()
     rows = [[cell.strip() for cell in line.split("│")[1:-1]] for line in lines if "│" in line]
     assert rows == [
         ["a_buffer[node=compact]", "2 of 2", "–", "1 of 1", "0"],

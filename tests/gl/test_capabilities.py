@@ -10,7 +10,7 @@ import pytest
 from oitbench.errors import CapabilityError
 from oitbench.gl.capabilities import is_software, loop_limit
 from oitbench.gl.device import Device
-from tests.helpers import opened, random_lists, scene_of, stranger, write_method
+from tests.helpers import foreign_method, opened, random_lists, scene_of, write_method
 
 MEMBERS = """
 def loop_steps(self, fragments):
@@ -50,9 +50,9 @@ def test_a_frame_deeper_than_the_loops_of_the_driver_is_refused(
     if refused:
         message = rf"deep: 5 fragments at one pixel; .* ends all loops after {limit} steps"
         with pytest.raises(CapabilityError, match=message):
-            opened(device, scene, stranger(str(folder))).__enter__()
+            opened(device, scene, foreign_method(str(folder))).__enter__()
     else:
-        with opened(device, scene, stranger(str(folder))) as frame:
+        with opened(device, scene, foreign_method(str(folder))) as frame:
             frame.render()
 
 
@@ -79,7 +79,9 @@ void resolve() {
         folder = write_method(
             tmp_path / f"loop{steps}", passes.replace("STEPS}", f"{steps}}}"), targets, count=shader
         )
-        with opened(device, scene_of(random_lists(1)), stranger(str(folder)), (4, 4)) as frame:
+        with opened(
+            device, scene_of(random_lists(1)), foreign_method(str(folder)), (4, 4)
+        ) as frame:
             frame.render()
             counted.append(int(np.unique(frame.image())[0]))
     assert counted[0] == limit - 1

@@ -1,6 +1,6 @@
-"""Effects that a scene does not call for: forcing them on changes no pixel, and costs memory.
+"""Effects that a scene does not request: forcing them changes no pixel and only takes memory.
 
-So what is left out of a frame is only what would have done nothing.
+So a frame loses nothing when it leaves them out.
 """
 
 from __future__ import annotations
@@ -25,9 +25,9 @@ from tests.helpers import collection, method
 
 SIZE = (64, 48)
 MAP_SIDE = 128
-"""Texels along each side of shadow maps: small ones, for speed."""
+"""Texels along each side of shadow maps; few, for speed."""
 STEPS = 8
-"""Slices of fog, for speed."""
+"""Slices of fog; few, for speed."""
 PHENOMENOLOGICAL = f"phenomenological[steps={STEPS}]"
 FLOAT = f"phenomenological[precision=float,steps={STEPS}]"
 SCENES = (
@@ -43,7 +43,7 @@ OF_EACH_KIND = (
     "light_shafts[detail=0.1]",
     "tumblers[detail=0.1]",
 )
-"""Scenes that leave out different effects."""
+"""Scenes that request different effects."""
 NEEDS_MEMORY = (
     Effect.REFRACTION
     | Effect.DIFFUSION
@@ -51,21 +51,31 @@ NEEDS_MEMORY = (
     | Effect.TRANSLUCENT_SHADOWS
     | Effect.COLORED_SHADOWS
 )
-"""What has a target, a larger target or maps of its own, whatever is in the scene."""
+"""Effects with a target, a larger target or maps of their own, in any scene."""
 
 
 @dataclass(frozen=True)
 class Rendered:
-    """A frame: its picture, bytes by name, passes, effects that shaders were told of, and maps.
+    """A rendered frame.
 
-    `maps` are the texels of shadow maps by name, `memory` the bytes of targets, maps and textures
-    of ambient occlusion.
+    Attributes
+    ----------
+    image : array, shape (h, w, 3)
+    memory : dict
+        Bytes of targets, shadow maps and textures of ambient occlusion, by name.
+    passes : frozenset of str
+    effects : frozenset of str
+        Effects that are defined in the shaders.
+    maps : dict
+        Texels of shadow maps, by name.
+    occluded : bool
+        Whether ambient occlusion was rendered.
     """
 
     image: Image
     memory: dict[str, int]
     passes: frozenset[str]
-    told: frozenset[str]
+    effects: frozenset[str]
     maps: dict[str, bytes]
     occluded: bool
 
@@ -96,14 +106,14 @@ def rendered(uploaded: UploadedScene, chosen: Method, effects: Effect) -> Render
 
 
 def pair(device: Device, scene: Scene, chosen: Method) -> tuple[Rendered, Rendered]:
-    """Return the frame of what the scene calls for, and that of everything."""
+    """Return the frame with the effects that the scene requests, and that with all effects."""
     everything = choose_effects("all", scene.effects)
     with UploadedScene(device, scene, MAP_SIDE) as uploaded:
-        called, forced = (
+        requested, forced = (
             rendered(uploaded, chosen, effects & chosen.shows)
             for effects in (scene.effects, everything)
         )
-    return called, forced
+    return requested, forced
 
 
 def steps_of_half(image: Image) -> npt.NDArray[np.float32]:
@@ -112,33 +122,34 @@ def steps_of_half(image: Image) -> npt.NDArray[np.float32]:
 
 
 def absent(scene: Scene, chosen: Method) -> Iterator[Effect]:
-    """Yield the effects that the method shows and the scene does not call for."""
+    """Yield the effects that the method shows and the scene does not request."""
     yield from (effect for effect in Effect if effect in chosen.shows & ~scene.effects)
 
 
 @pytest.mark.parametrize("text", SCENES)
 @pytest.mark.parametrize("name", [PHENOMENOLOGICAL, "weighted_blended"])
-def test_what_is_not_called_for_costs_memory_and_does_nothing(
+def test_effects_that_are_not_requested_change_no_pixel_and_only_take_memory(
     device: Device, name: str, text: str
 ) -> None:
     scene, chosen = collection().build_scene(text), method(name)
-    called, forced = pair(device, scene, chosen)
-    assert (abs(forced.image - called.image) <= steps_of_half(called.image)).all()
+    requested, forced = pair(device, scene, chosen)
+    assert (abs(forced.image - requested.image) <= steps_of_half(requested.image)).all()
     left_out = Effect.NONE
     for effect in absent(scene, chosen):
         left_out |= effect
     assert left_out
     if not scene.beams:
         left_out &= ~SHADING
-    assert (forced.bytes > called.bytes) == bool(left_out & NEEDS_MEMORY)
-    assert all(forced.memory[resource] >= size for resource, size in called.memory.items())
-    only_what_is_called_for_is_there(scene, chosen, called)
-    forced_maps_say_the_same(called.maps, forced.maps)
+    assert (forced.bytes > requested.bytes) == bool(left_out & NEEDS_MEMORY)
+    assert all(forced.memory[resource] >= size for resource, size in requested.memory.items())
+    assert_only_requested(scene, chosen, requested)
+    assert_same_maps(requested.maps, forced.maps)
 
 
-def only_what_is_called_for_is_there(scene: Scene, chosen: Method, frame: Rendered) -> None:
+def assert_only_requested(scene: Scene, chosen: Method, frame: Rendered) -> None:
+    """Assert that the frame has the resources of the running effects and no others."""
     running = scene.effects & chosen.shows
-    assert frame.told == set(names(running))
+    assert frame.effects == set(names(running))
     assert ("fog" in frame.passes) == (Effect.VOLUME in running)
     assert frame.occluded == (Effect.AMBIENT_OCCLUSION in running)
     assert ("delta" in frame.memory) == (Effect.REFRACTION in running)
@@ -155,15 +166,17 @@ def only_what_is_called_for_is_there(scene: Scene, chosen: Method, frame: Render
         assert {map_ for map_ in frame.maps if map_.endswith(f"_map{number}")} == expected
 
 
-def forced_maps_say_the_same(called: dict[str, bytes], forced: dict[str, bytes]) -> None:
-    """Maps of red, green and blue are all the one of gray, and no other map changes."""
+def assert_same_maps(requested: dict[str, bytes], forced: dict[str, bytes]) -> None:
+    """Assert that the maps of red, green and blue equal that of gray, and other maps are equal."""
     for name, texels in forced.items():
-        alike = name if name in called else re.sub(r"filtered\d", "filtered0", name)
-        if alike in called:
-            assert texels == called[alike], name
+        same = name if name in requested else re.sub(r"filtered\d", "filtered0", name)
+        if same in requested:
+            assert texels == requested[same], name
 
 
 @pytest.mark.parametrize("text", OF_EACH_KIND)
-def test_in_single_precision_nothing_changes_either(device: Device, text: str) -> None:
-    called, forced = pair(device, collection().build_scene(text), method(FLOAT))
-    np.testing.assert_allclose(forced.image, called.image, rtol=0, atol=1e-6)
+def test_effects_that_are_not_requested_change_nothing_in_single_precision(
+    device: Device, text: str
+) -> None:
+    requested, forced = pair(device, collection().build_scene(text), method(FLOAT))
+    np.testing.assert_allclose(forced.image, requested.image, rtol=0, atol=1e-6)

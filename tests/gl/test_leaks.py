@@ -1,21 +1,23 @@
-"""No object stays on the device when a cell raises, wherever it raises."""
+"""No OpenGL object is left when a cell fails, at any point."""
 
 from __future__ import annotations
 
 import ctypes
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+import oitbench.matrix.bench
 from oitbench.errors import OitbenchError
 from oitbench.gl.device import Device
+from oitbench.gl.uploaded_scene import UploadedScene
 from oitbench.matrix.bench import Bench
 from oitbench.matrix.cell import Cell
 from oitbench.plugins import Collection
-from tests.plugins import misbehaving
 
 KINDS = ("Buffer", "Framebuffer", "Program", "Query", "Sampler", "Shader", "Texture", "VertexArray")
 NAMES = 1024
@@ -33,7 +35,7 @@ VICTIMS = (
 
 
 class OutOfMemoryError(OitbenchError):
-    """The error that is injected."""
+    """The injected error."""
 
 
 def live_objects() -> dict[str, int]:
@@ -48,13 +50,13 @@ def live_objects() -> dict[str, int]:
 
 
 def difference(after: dict[str, int], before: dict[str, int]) -> dict[str, int]:
-    """Return the kinds of which there are more objects than before, and how many."""
+    """Return the number of additional objects, by kind; kinds with none are left out."""
     return {kind: after[kind] - before[kind] for kind in KINDS if after[kind] > before[kind]}
 
 
 @contextmanager
 def failing(device: Device, call: int) -> Iterator[list[str]]:
-    """Raise at the given creation of an object; yield the names of all creators called."""
+    """Raise at the creation of object number `call`; yield the names of the creators called."""
     calls: list[str] = []
     originals: dict[str, Callable[..., Any]] = {n: getattr(device.context, n) for n in CREATORS}
 
@@ -77,8 +79,11 @@ def failing(device: Device, call: int) -> Iterator[list[str]]:
 
 
 @pytest.fixture
-def bench(tmp_path: Path) -> Iterator[Bench]:
-    collection = Collection.load([misbehaving(tmp_path / "plugins")])
+def bench(plugins: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Bench]:
+    """A bench that builds each scene once and has small shadow maps, for speed."""
+    collection = Collection.load([plugins])
+    monkeypatch.setattr(collection, "build_scene", cache(collection.build_scene))
+    monkeypatch.setattr(oitbench.matrix.bench, "UploadedScene", partial(UploadedScene, map_side=64))
     with Bench(collection, tmp_path / "out") as bench:
         yield bench
 
@@ -91,7 +96,7 @@ def attempt(bench: Bench, cell: Cell, call: int) -> tuple[str, int]:
     return record.status, len(calls)
 
 
-def test_nothing_is_left_wherever_a_cell_fails(bench: Bench) -> None:
+def test_no_object_is_left_when_a_creation_fails(bench: Bench) -> None:
     cells = [Cell(scene, method, (16, 16), 1, permutations=1) for scene, method in VICTIMS]
     whole = [attempt(bench, cell, -1) for cell in cells]
     assert [status for status, _ in whole] == ["ok"] * len(cells)
@@ -105,7 +110,7 @@ def test_nothing_is_left_wherever_a_cell_fails(bench: Bench) -> None:
         assert not lost, f"{cell.method} lost {lost} when object {call} failed"
 
 
-def test_nothing_is_left_of_methods_that_fail(bench: Bench) -> None:
+def test_no_object_is_left_of_methods_and_scenes_that_fail(bench: Bench) -> None:
     cells = [Cell("calm", method, (8, 8), 1) for method in ("broken", "demanding", "unstable")]
     cells += [Cell(scene, "alpha_blend", (8, 8), 1) for scene in ("raiser", "poisoned")]
     expected = ["failed", "failed", "unstable", "failed", "failed"]
@@ -116,6 +121,6 @@ def test_nothing_is_left_of_methods_that_fail(bench: Bench) -> None:
         for cell in cells:
             bench.run(cell, False)
             bench.leave_scene()
-            # moderngl itself keeps the program of a failed compilation.
+            # moderngl keeps the program of a failed compilation.
             lost = difference(live_objects(), before).keys() - {"Program", "Shader"}
             assert not lost, cell

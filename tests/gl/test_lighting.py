@@ -1,4 +1,4 @@
-"""Direct light on opaque surfaces against closed forms and a float64 model of the reflection."""
+"""Light on surfaces against closed forms and a float64 model of reflection."""
 
 from __future__ import annotations
 
@@ -25,8 +25,10 @@ from oitbench.scene import (
     SpotLight,
     Texture,
     sample_density,
+    unit,
 )
 from tests.helpers import Empty, opened
+from tests.models.view import rays
 
 SIZE = (33, 33)
 EYE = (0.3, 2.0, 1.5)
@@ -38,17 +40,9 @@ def floor(material: Material) -> Object:
 
 
 def points() -> Floats:
-    """Return where the pixels' rays meet the floor, (h, w, 3)."""
-    right, up, back = CAMERA.axes
-    scale = math.tan(CAMERA.fov_y / 2)
-    line = (2 * (np.arange(SIZE[0]) + 0.5) / SIZE[0] - 1) * scale
-    x, y = np.meshgrid(line, -line)
-    ray = x[..., None] * right + y[..., None] * up - back
+    """Return the points where the rays of the pixels meet the floor, shape (h, w, 3)."""
+    ray = rays(CAMERA, SIZE)
     return np.asarray(np.asarray(EYE) + ray * (-EYE[1] / ray[..., 1:2]))
-
-
-def unit(vectors: Floats) -> Floats:
-    return np.asarray(vectors / np.linalg.norm(vectors, axis=-1, keepdims=True))
 
 
 def shown(device: Device, material: Material, *lights: Light) -> Floats:
@@ -59,7 +53,7 @@ def shown(device: Device, material: Material, *lights: Light) -> Floats:
 
 
 def lobe(material: Material, to_light: Floats, to_eye: Floats) -> Floats:
-    """Return the microfacet lobe times the cosine, over a horizontal floor."""
+    """Return the microfacet lobe times the cosine, for a horizontal floor."""
     a, f0 = material.roughness**2, material.reflectance
     half = unit(to_light + to_eye)
     nl, nv, nh = to_light[..., 1], to_eye[..., 1], half[..., 1]
@@ -70,7 +64,7 @@ def lobe(material: Material, to_light: Floats, to_eye: Floats) -> Floats:
     return cosine_weighted[..., None]
 
 
-def test_lambert_under_a_directional_light(device: Device) -> None:
+def test_a_lambert_surface_reflects_a_directional_light(device: Device) -> None:
     albedo, irradiance = (0.8, 0.4, 0.2), (2.0, 3.0, 4.0)
     sun = DirectionalLight((1.0, -2.0, 0.5), irradiance)
     cosine = 2 / math.sqrt(1 + 4 + 0.25)
@@ -79,7 +73,7 @@ def test_lambert_under_a_directional_light(device: Device) -> None:
     np.testing.assert_allclose(found, np.broadcast_to(expected, found.shape), rtol=1e-5)
 
 
-def test_light_from_below_does_not_shine_through(device: Device) -> None:
+def test_light_from_below_does_not_pass_the_floor(device: Device) -> None:
     assert not shown(device, Material(albedo=(1, 1, 1)), DirectionalLight((0.0, 1.0, 0.0))).any()
 
 
@@ -94,12 +88,12 @@ def test_highlights_equal_the_model(device: Device, roughness: float) -> None:
     assert found.max() > 3 * np.median(found) or roughness > 0.3
 
 
-def test_a_mirror_shows_no_point_of_light(device: Device) -> None:
+def test_a_mirror_reflects_no_directional_light(device: Device) -> None:
     mirror = Material(specular=0.5, roughness=0.0)
     assert not shown(device, mirror, DirectionalLight((0.1, -1.0, 0.8))).any()
 
 
-def test_a_spot_falls_off_by_distance_and_angle(device: Device) -> None:
+def test_a_spot_light_falls_off_with_distance_and_angle(device: Device) -> None:
     position, angle = (0.4, 1.2, 0.1), math.radians(50)
     spot = SpotLight(position, (0.2, 0.0, -0.1), (5.0, 5.0, 5.0), angle)
     offset = points() - position
@@ -115,7 +109,7 @@ def test_a_spot_falls_off_by_distance_and_angle(device: Device) -> None:
     assert ((falloff > 0) & (falloff < 1)).any()
 
 
-def test_a_particle_scatters_to_all_sides_alike(device: Device) -> None:
+def test_a_particle_scatters_equally_in_all_directions(device: Device) -> None:
     smoke = Material(albedo=(0.9, 0.6, 0.3), isotropic=True)
     for direction in ((0.0, -1.0, 0.0), (0.7, 0.2, 0.1)):
         found = shown(device, smoke, DirectionalLight(direction, (2, 2, 2)))
@@ -123,7 +117,7 @@ def test_a_particle_scatters_to_all_sides_alike(device: Device) -> None:
         np.testing.assert_allclose(found, np.broadcast_to(expected, found.shape), rtol=1e-5)
 
 
-def test_a_constant_environment_fills_and_is_mirrored(device: Device) -> None:
+def test_a_constant_environment_lights_surfaces_and_is_reflected(device: Device) -> None:
     sky: RGB = (0.5, 0.7, 1.0)
     lambert = shown(device, Material(albedo=(0.4, 0.4, 0.4)), EnvironmentLight(sky))
     np.testing.assert_allclose(
@@ -135,8 +129,8 @@ def test_a_constant_environment_fills_and_is_mirrored(device: Device) -> None:
     np.testing.assert_allclose(mirror, expected, rtol=1e-3)
 
 
-def test_transmission_loses_what_reflection_took(device: Device) -> None:
-    """Seen as transmittance alone: t = T (1 - F) (1 - albedo), over a background of one."""
+def test_transmission_loses_the_reflected_and_the_scattered_light(device: Device) -> None:
+    """The transmittance is t = T (1 - F) (1 - albedo)."""
     pane = Material(transmission=(0.9, 0.8, 0.7), albedo=(0.1, 0.0, 0.2), specular=0.06)
     scene = Scene("pane", CAMERA, (floor(pane),))
     cosine = unit(np.asarray(EYE) - points())[..., 1:2]
@@ -163,7 +157,7 @@ DIRECTIONS: list[tuple[str, RGB]] = [
 
 
 def lit_from(direction: RGB, width: int = 64, height: int = 32) -> Floats:
-    """Return a map that shines within 30 degrees of `direction`."""
+    """Return a map that is white within 30 degrees of `direction` and black elsewhere."""
     polar = (np.arange(height) + 0.5) / height * math.pi
     longitude = ((np.arange(width) + 0.5) / width - 0.5) * 2 * math.pi
     vectors = np.stack(
@@ -179,7 +173,9 @@ def lit_from(direction: RGB, width: int = 64, height: int = 32) -> Floats:
 
 
 @pytest.mark.parametrize(("name", "direction"), DIRECTIONS)
-def test_the_map_is_seen_where_it_lies(device: Device, name: str, direction: RGB) -> None:
+def test_an_environment_map_is_seen_in_its_direction(
+    device: Device, name: str, direction: RGB
+) -> None:
     texels = lit_from(direction).astype(np.float32)
     up = (0.0, 0.0, 1.0) if name in ("up", "down") else (0.0, 1.0, 0.0)
     dot = Object("dot", quad((30, 40, 50), (0.01, 0, 0), (0, 0.01, 0)), Material())
@@ -193,7 +189,7 @@ def test_the_map_is_seen_where_it_lies(device: Device, name: str, direction: RGB
             assert (frame.image()[16, 16, 0] > 0.9) == bright
 
 
-def test_a_gray_map_is_the_map_of_that_gray(device: Device) -> None:
+def test_a_map_of_one_channel_equals_its_gray_map(device: Device) -> None:
     gray = np.linspace(0.1, 0.9, 8, dtype=np.float32).reshape(2, 4)
     wall = Material(albedo=(0.4, 0.4, 0.4), specular=0.04)
     one, other = (
@@ -235,7 +231,7 @@ Check = Callable[[], object]
         (lambda: SpotLight((0, 1, 0), (0, 0, 0), angle=4.0), "angle"),
     ],
 )
-def test_lights_without_sense_are_refused(make: Check, message: str) -> None:
+def test_lights_without_a_direction_are_refused(make: Check, message: str) -> None:
     from oitbench.errors import SceneError
 
     with pytest.raises(SceneError, match=message):

@@ -1,4 +1,4 @@
-"""Particles in targets of a part of the frame's resolution, and what a declaration may ask for."""
+"""Particles in targets of a lower resolution, and declarations of such targets."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from oitbench.measure import accounting
 from oitbench.method.declaration import Request
 from oitbench.modeling.mesh import quad
 from oitbench.scene import RGB, WHITE, Camera, Material, Object, Scene
-from tests.helpers import method, opened, render, stranger, write_method
+from tests.helpers import foreign_method, method, opened, render, write_method
 
 SIZE = (64, 48)
 PIXELS = 64 * 48
@@ -28,7 +28,7 @@ STEP = 1 / 255
 def sheet(
     name: str, z: float, material: Material, left: float = -9.0, smoke: bool = False
 ) -> Object:
-    """Return a sheet at distance z, all over the view or right of `left` on a plane at 1 m."""
+    """Return a sheet at distance z, right of `left` (in units of z). Default: it fills the view."""
     width = 9 * z
     mesh = quad((left * z + width, 0, -z), (width, 0, 0), (0, width, 0))
     return Object(name, mesh, material, particles=smoke)
@@ -49,7 +49,7 @@ def rendered(frame: Frame) -> tuple[Image, FrameMeasurement]:
     return frame.image(), measured
 
 
-def test_even_smoke_is_the_same_at_any_resolution(device: Device) -> None:
+def test_uniform_smoke_is_the_same_at_any_resolution(device: Device) -> None:
     glass = sheet("glass", 3.0, Material(transmission=(0.9, 0.4, 0.2)), left=0.05)
     mixed = scene(smoke(2, 0.3), glass, smoke(4, 0.6, (0.2, 0.9, 0.4)))
     full = render(device, mixed, EXACT, size=SIZE)
@@ -58,7 +58,7 @@ def test_even_smoke_is_the_same_at_any_resolution(device: Device) -> None:
         np.testing.assert_allclose(render(device, mixed, chosen, size=SIZE), full, atol=2e-6)
 
 
-def test_what_is_no_particle_keeps_its_resolution(device: Device) -> None:
+def test_other_objects_keep_their_resolution(device: Device) -> None:
     # An edge of glass in the middle of a block.
     glass = sheet("glass", 3.0, Material(coverage=0.5, emission=(3, 0, 0)), left=0.031)
     clear = smoke(2, 0.0)
@@ -69,8 +69,8 @@ def test_what_is_no_particle_keeps_its_resolution(device: Device) -> None:
 
 
 @pytest.mark.parametrize("size", [(64, 48), (67, 50), (3, 5)])
-def test_blocks_stand_where_their_pixels_do(device: Device, size: tuple[int, int]) -> None:
-    # A slope's distance is linear in 1/z, so a block's center has the mean of its pixels.
+def test_a_block_covers_its_pixels(device: Device, size: tuple[int, int]) -> None:
+    # The depth of a slope is linear in 1/z, so the center of a block has the mean of its pixels.
     slope = Object("slope", quad((0, 0, -4), (9, 0, 4), (0, 9, 0)), Material(coverage=0.5))
     found = {}
     for chosen in (EXACT, EXACT_MIXED):
@@ -82,7 +82,7 @@ def test_blocks_stand_where_their_pixels_do(device: Device, size: tuple[int, int
     assert small.shape == (-(-size[1] // 4), -(-size[0] // 4))
     rows, columns = size[1] // 4, size[0] // 4
     blocks = full[: 4 * rows, : 4 * columns].reshape(rows, 4, columns, 4)
-    # Of the mean of a convex weight the center falls short, by less than it varies in a pixel.
+    # The weight is convex: the center is below the mean, by less than the change over a pixel.
     np.testing.assert_allclose(small[:rows, :columns], blocks.mean(axis=(1, 3)), rtol=5e-3)
 
 
@@ -100,7 +100,7 @@ def test_blur_is_in_pixels_of_the_frame(device: Device) -> None:
 
 
 @pytest.mark.parametrize("edge", [0.0, 0.03, 0.06, 0.09])
-def test_smoke_does_not_bleed_over_the_edge_of_what_is_before_it(
+def test_smoke_does_not_bleed_over_the_edge_of_an_object_in_front_of_it(
     device: Device, edge: float
 ) -> None:
     board = sheet("board", 2.0, Material(emission=(0.01, 0.01, 0.01)), left=edge)
@@ -108,22 +108,22 @@ def test_smoke_does_not_bleed_over_the_edge_of_what_is_before_it(
     full, mixed = (render(device, dense, name, size=SIZE)[24] for name in (FULL, MIXED))
     first = int(np.argmin(full[:, 0]))  # the first column that the board covers
     assert 30 < first < 40
-    apart = abs(mixed - full).max(axis=-1)
-    # Not even a step of the display, where smoke is a hundred times as bright as the board.
-    beside = np.r_[apart[: first - 1], apart[first + 1 :]]
+    difference = abs(mixed - full).max(axis=-1)
+    # Less than a step of the display, although smoke is a hundred times as bright as the board.
+    beside = np.r_[difference[: first - 1], difference[first + 1 :]]
     assert beside.max() < STEP
     assert full[first - 2, 0] > 0.9
 
 
-def test_smoke_before_an_edge_is_as_even_as_without_it(device: Device) -> None:
+def test_smoke_in_front_of_an_edge_is_uniform(device: Device) -> None:
     board = sheet("board", 6.0, Material(emission=(0.4, 0.2, 0.1)), left=0.02)
     near = scene(board, smoke(2, 0.5))
     full, mixed = (render(device, near, name, size=SIZE) for name in (EXACT, EXACT_MIXED))
     np.testing.assert_allclose(mixed, full, atol=2e-6)
 
 
-def test_smoke_over_a_ground_seen_obliquely_shows_no_stripes(device: Device) -> None:
-    # From block to block the ground recedes by more than the key of the filter lets pass.
+def test_smoke_in_front_of_an_oblique_ground_has_no_stripes(device: Device) -> None:
+    # From block to block the ground recedes by more than the width of the filter's depth key.
     plain = quad((0, -1, -50), (90, 0, 0), (0, 0, -49.5))
     ground = Object("ground", plain, Material(emission=WHITE))
     banks = [smoke(2 * 1.1**k, 0.1, (0.2, 0.2, 0.2)) for k in range(24)]
@@ -132,20 +132,22 @@ def test_smoke_over_a_ground_seen_obliquely_shows_no_stripes(device: Device) -> 
         for name in (EXACT, EXACT_MIXED)
     )
     np.testing.assert_allclose(mixed, full, atol=0.04)
-    # A key that knows of no slope gives ten times as much curvature.
+    # A key that ignores the slope gives ten times as much curvature.
     assert abs(np.diff(mixed, 2)).sum() < 0.05
     assert (np.diff(mixed) > 0).all()
 
 
-def test_a_thin_object_between_the_blocks_still_gets_smoke(device: Device) -> None:
-    # Half a pixel wide and beside the texel of its block: no small texel has seen it.
+def test_a_thin_object_between_the_texels_of_blocks_has_smoke_in_front_of_it(
+    device: Device,
+) -> None:
+    # Half a pixel wide and beside the sample of its block: no small texel contains it.
     post = Object("post", quad((0.019, 0, -3), (0.012, 0, 0), (0, 9, 0)), Material(emission=WHITE))
     mixed = render(device, scene(post, smoke(2, 0.9, (0.1, 0.1, 0.1))), MIXED, size=SIZE)
     assert np.isfinite(mixed).all()
     assert mixed[24].max() < 0.25
 
 
-def test_without_particles_nothing_is_small(device: Device) -> None:
+def test_scenes_without_particles_have_no_small_targets(device: Device) -> None:
     glass = scene(sheet("glass", 3.0, Material(coverage=0.5, emission=WHITE)))
     names, bits = {}, {}
     for chosen in (FULL, MIXED):
@@ -156,13 +158,13 @@ def test_without_particles_nothing_is_small(device: Device) -> None:
     assert bits[MIXED] == bits[FULL]
 
 
-def test_particles_alone_leave_nothing_to_gather_in_full(device: Device) -> None:
+def test_scenes_of_particles_alone_have_no_full_gather(device: Device) -> None:
     with opened(device, scene(smoke(2, 0.5)), MIXED, SIZE) as frame:
         names = [item.name for item in frame.plan.passes]
     assert names == ["shrink_depth", "gather small=1", "upsample", "resolve"]
 
 
-def test_memory_and_traffic_are_those_of_the_small_targets(device: Device) -> None:
+def test_memory_and_traffic_count_the_texels_of_small_targets(device: Device) -> None:
     glass = sheet("glass", 3.0, Material(coverage=0.5, emission=WHITE))
     with opened(device, scene(smoke(2, 0.5), smoke(4, 0.5), glass), MIXED, SIZE) as frame:
         _, measured = rendered(frame)
@@ -214,17 +216,14 @@ BUFFERS = '{"heads": Buffer({"first": "uint"}, Items.PIXELS)}'
 def test_a_pass_that_mixes_sizes_is_refused(
     device: Device, tmp_path: Path, declared: str, message: str
 ) -> None:
-    chosen = stranger(
-        str(write_method(tmp_path / "small", f"({declared},)", TARGETS, BUFFERS, one=""))
-    )
+    folder = write_method(tmp_path / "small", f"({declared},)", TARGETS, BUFFERS, one="")
+    chosen = foreign_method(folder)
     refused = pytest.raises(DeclarationError, match=message)
     with refused, opened(device, scene(smoke(2, 0.5)), chosen, SIZE):
         pass
 
 
-def test_a_pass_over_pixels_writes_a_depth_that_another_tests(
-    device: Device, tmp_path: Path
-) -> None:
+def test_a_resolve_can_write_the_depth_that_a_gather_tests(device: Device, tmp_path: Path) -> None:
     targets = """{
         "part": Target("r32f", subsample=2),
         "depth": Target("depth32f", clear=(0.0,), subsample=2),
@@ -233,11 +232,11 @@ def test_a_pass_over_pixels_writes_a_depth_that_another_tests(
         Resolve("fill.glsl", depth="depth"),
         Gather("count.glsl", writes={"part": ADD}, depth="depth", depth_writes=False),
     )"""
-    # The left half of the frame has a wall at 3 m, the right half nothing.
+    # The depth is that of a wall at 3 m in the left half of the frame, and of nothing elsewhere.
     fill = "void resolve() { gl_FragDepth = gl_FragCoord.x < 16.0 ? 1.0 - 0.1 / 3.0 : 1.0; }"
     count = "void gather(Fragment fragment) { part = 1.0; }"
     folder = write_method(tmp_path / "tested", passes, targets, fill=fill, count=count)
-    chosen = stranger(str(folder))
+    chosen = foreign_method(folder)
     with opened(device, scene(smoke(2, 0.5), smoke(4, 0.5)), chosen, SIZE) as frame:
         frame.render()
         part = frame.read("part")[..., 0]
@@ -246,7 +245,7 @@ def test_a_pass_over_pixels_writes_a_depth_that_another_tests(
     assert (part[:, 16:] == 2).all()
 
 
-def test_subsampling_is_off_unless_it_is_asked_for() -> None:
+def test_subsampling_is_off_by_default() -> None:
     plain, mixed = method(FULL), method(MIXED)
     every = Request(plain.shows, particles=True)
     assert not any(target.subsample > 1 for target in plain.plan(every).targets.values())

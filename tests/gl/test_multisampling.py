@@ -1,4 +1,4 @@
-"""Four samples a pixel: coverage masks in lists, and targets of four samples."""
+"""Four samples per pixel: coverage masks in lists, and multisampled targets."""
 
 from __future__ import annotations
 
@@ -12,7 +12,14 @@ from oitbench.modeling.mesh import quad
 from oitbench.plugins import Collection
 from oitbench.scene import Camera, Material, Object, Scene
 from tests.benchmarks.speed import overlapping_quads
-from tests.helpers import collection, opened, random_lists, render, write_method
+from tests.helpers import (
+    assert_order_independent,
+    collection,
+    opened,
+    random_lists,
+    render,
+    write_method,
+)
 
 SIZE = (48, 48)
 SORTED = '(Gather("over.glsl", writes={"color": OVER}, order=Order.TRIANGLES),)'
@@ -25,7 +32,7 @@ EXACT = (
 
 
 def blended_by_hardware(device: Device, folder: Path, scene: Scene) -> np.ndarray:
-    """Return what sorted blending into targets of four samples gives."""
+    """Return the image of sorted blending into targets of four samples."""
     write_method(
         folder / "methods" / "multisampled",
         SORTED,
@@ -38,10 +45,10 @@ def blended_by_hardware(device: Device, folder: Path, scene: Scene) -> np.ndarra
 
 
 @pytest.mark.parametrize(("quads", "names"), [(12, EXACT), (70, EXACT[:2])])
-def test_edges_are_as_hardware_blends_them(
+def test_edges_equal_those_of_hardware_multisampling(
     device: Device, tmp_path: Path, quads: int, names: tuple[str, ...]
 ) -> None:
-    # Seventy quads make lists that are sorted in their links, which samples of a pixel share.
+    # Lists of seventy quads are sorted in their links, which the samples of a pixel share.
     scene = overlapping_quads(quads)
     truth = blended_by_hardware(device, tmp_path, scene)
     assert abs(truth - render(device, scene, "a_buffer", size=SIZE)).max() > 0.05
@@ -65,10 +72,12 @@ def test_edges_are_as_hardware_blends_them(
         "fourier_map[memory=fixed,{}]",
     ],
 )
-def test_full_masks_change_nothing(device: Device, name: str, layers: int) -> None:
+def test_pixels_that_are_covered_completely_do_not_change(
+    device: Device, name: str, layers: int
+) -> None:
     lists = random_lists(layers, tinted=True, side=8)
     found = render(device, lists, name.format("msaa=4"))
-    # Lists in arrival's order multiply in that order.
+    # The iterative resolve multiplies in the order of arrival.
     allowed = 1e-6 if "iterative" in name else 0.0
     np.testing.assert_allclose(
         found, render(device, lists, name.format("msaa=1")), rtol=0, atol=allowed
@@ -76,25 +85,21 @@ def test_full_masks_change_nothing(device: Device, name: str, layers: int) -> No
 
 
 @pytest.mark.parametrize("name", ["opacity_map[node=precise,{}]", "fourier_map[node=precise,{}]"])
-def test_masks_cost_depths_four_bits(device: Device, name: str) -> None:
+def test_masks_take_four_bits_of_each_depth(device: Device, name: str) -> None:
     lists = random_lists(12, side=8)
     found = render(device, lists, name.format("msaa=4"))
     np.testing.assert_allclose(found, render(device, lists, name.format("msaa=1")), atol=1e-4)
 
 
 @pytest.mark.parametrize("layers", [20, 40])
-def test_order_of_draws_does_not_matter_to_masks(device: Device, layers: int) -> None:
+def test_masks_do_not_depend_on_the_order_of_the_draws(device: Device, layers: int) -> None:
     lists = collection().build_scene(f"fragment_lists[width=8,height=8,layers={layers},ties=true]")
     with opened(device, lists, "a_buffer[msaa=4]") as frame:
-        frame.render()
-        first = frame.image()
-        for seed in range(3):
-            frame.render(permutation=seed)
-            np.testing.assert_array_equal(frame.image(), first)
+        assert_order_independent(frame, 3)
 
 
-def test_single_targets_leave_transmittance_alone(device: Device) -> None:
-    """Depth at pixel centers is drawn besides; it must not turn radiance on again."""
+def test_single_targets_do_not_add_radiance_to_transmittance(device: Device) -> None:
+    """Depth at pixel centers is a separate draw, which must not enable radiance again."""
     sheet = Material(coverage=0.5, emission=(5.0, 5.0, 5.0))
     item = Object("sheet", quad((0, 0, -2), (4, 0, 0), (0, 4, 0)), sheet)
     scene = Scene("sheet", Camera((0, 0, 0), (0, 0, -1)), (item,))

@@ -1,4 +1,4 @@
-"""Ambient occlusion dims the environment alone, and edges of binary coverage infer it."""
+"""Ambient occlusion dims only the environment light; edges of binary coverage infer it."""
 
 from __future__ import annotations
 
@@ -34,14 +34,14 @@ GRAY = Material(albedo=(0.5, 0.5, 0.5))
 BLACK = Material()
 AO, INFERRED = Effect.AMBIENT_OCCLUSION, Effect.INFERRED_AO
 SKY = (EnvironmentLight(),)
-# Pixels of the floor that are a radius and more from the wall, and those of the crease.
+# Rows of the floor that are at least a radius from the wall, and rows of the crease.
 FLOOR, CREASE = slice(3 * SIDE // 4, SIDE), slice(SIDE // 2 - 1, SIDE // 2 + 1)
 
 
 def corner(
     wall: bool = True, radius: float = 0.2, lights: tuple[Light, ...] = SKY, tilt: float = 1.0
 ) -> Scene:
-    """Return a floor and a wall that meet in the middle of the picture, seen from between them."""
+    """Return a floor and a wall that meet in the middle of the picture."""
     camera = Camera(position=(0, tilt, 1), target=(0, 0, 0), fov_y=math.radians(40))
     objects = [Object("floor", quad((0, 0, 0), (3, 0, 0), (0, 0, -3)), GRAY)]
     if wall:
@@ -50,7 +50,7 @@ def corner(
 
 
 def round_leaf(soft: float = 0.3, most: float = 1.0) -> Texture:
-    """Return a disc of coverage `most` whose rim, `soft` wide, falls to zero."""
+    """Return a disk of coverage `most` that falls to zero over a rim of width `soft`."""
     line = (np.arange(64) + 0.5) / 32 - 1
     x, y = np.meshgrid(line, line)
     return Texture(np.clip((0.8 - np.hypot(x, y)) / soft, 0, most).astype(np.float32))
@@ -62,7 +62,7 @@ def leaf(
     behind: tuple[Object, ...] | None = None,
     binary: bool = True,
 ) -> Scene:
-    """Return one white leaf half a meter before a black wall."""
+    """Return one white leaf half a meter in front of a black wall."""
     camera = Camera(position=(0, 0, 2), target=(0, 0, 0), fov_y=math.radians(60))
     wall = (Object("wall", quad((0, 0, -0.5), (4, 0, 0), (0, 4, 0)), BLACK),)
     described = Material(
@@ -84,7 +84,7 @@ def openness(frame: Frame) -> npt.NDArray[np.float64]:
 
 
 def set_openness(frame: Frame, values: npt.NDArray[np.float64] | float) -> None:
-    """Replace the openness that the frame found by `values`, top row first."""
+    """Replace the openness of the frame by `values`, top row first."""
     assert frame.occlusion is not None
     frame.occlusion.prepare()
     texels = np.broadcast_to(np.round(255 * np.asarray(values)), frame.plan.size[::-1])[::-1]
@@ -116,23 +116,23 @@ def coverage_of(device: Device, scene: Scene) -> Image:
 
 
 @pytest.mark.parametrize("tilt", [0.1, 0.5, 2.0])
-def test_a_plane_is_open(device: Device, tilt: float) -> None:
+def test_a_plane_is_not_occluded(device: Device, tilt: float) -> None:
     found = found_openness(device, corner(wall=False, tilt=tilt))
     assert found.min() >= 1 - 1 / 255
 
 
 def test_a_crease_is_half_open(device: Device) -> None:
     found = found_openness(device, corner(radius=2.0))[:, SIDE // 4 : -SIDE // 4]
-    # Cosine-weighted, a wall hides half of the hemisphere; pixels are a little off the crease.
+    # A wall hides half of the cosine-weighted hemisphere; pixels are slightly off the crease.
     assert found[CREASE].mean() == pytest.approx(0.5, abs=0.04)
     assert (np.diff(found[SIDE // 2 : FLOOR.start].mean(axis=1)) > 0).all()
 
 
-def test_planes_are_open_beyond_the_radius(device: Device) -> None:
+def test_a_plane_is_not_occluded_beyond_the_radius(device: Device) -> None:
     found = found_openness(device, corner(radius=0.2))
     assert found[FLOOR].min() >= 1 - 1 / 255
     assert found[CREASE].max() < 0.75
-    # Floor and wall are alike, but for the pattern, which is not.
+    # Floor and wall are symmetric; the sampling pattern is not.
     np.testing.assert_allclose(found, found[::-1], atol=0.05)
 
 
@@ -141,7 +141,7 @@ def test_the_filter_leaves_no_pattern(device: Device) -> None:
     assert found.std(axis=1).max() < 0.01
 
 
-def test_what_is_far_before_a_surface_does_not_hide_its_surroundings(device: Device) -> None:
+def test_an_object_far_in_front_of_a_surface_does_not_occlude_it(device: Device) -> None:
     near = Object("bar", quad((0, 0, 0.5), (0.2, 0, 0), (0, 2, 0)), GRAY)
     wall = Object("wall", quad((0, 0, -0.5), (4, 0, 0), (0, 4, 0)), GRAY)
     scene = leaf(radius=0.3, behind=(wall, near))
@@ -152,7 +152,7 @@ def test_what_is_far_before_a_surface_does_not_hide_its_surroundings(device: Dev
 # Shading
 
 
-def test_openness_dims_the_environment(device: Device) -> None:
+def test_openness_dims_the_environment_light(device: Device) -> None:
     with opened(device, corner(), "alpha_blend", SIZE) as frame:
         frame.render()
         np.testing.assert_allclose(
@@ -172,7 +172,7 @@ def test_direct_light_is_not_dimmed(device: Device) -> None:
 
 
 @pytest.mark.parametrize("name", ["alpha_blend", "a_buffer"])
-def test_no_radius_changes_nothing(device: Device, name: str) -> None:
+def test_a_radius_of_zero_changes_nothing(device: Device, name: str) -> None:
     scene = leaf(radius=0.0)
     assert not scene.effects & (AO | INFERRED)
     plain = render(device, scene, name, size=SIZE)
@@ -181,7 +181,7 @@ def test_no_radius_changes_nothing(device: Device, name: str) -> None:
         np.testing.assert_array_equal(frame.image(), plain)
 
 
-def test_only_when_called_is_there_anything(device: Device) -> None:
+def test_scenes_without_ambient_occlusion_have_no_pass_for_it(device: Device) -> None:
     scene = leaf()
     for described, effects in (
         (scene, scene.effects & ~AO),
@@ -196,7 +196,7 @@ def test_only_when_called_is_there_anything(device: Device) -> None:
                            for _, fragment in device.programs)  # fmt: skip
 
 
-def test_its_cost_is_told_as_shading(device: Device) -> None:
+def test_its_cost_belongs_to_shading(device: Device) -> None:
     with opened(device, leaf(), "alpha_blend", SIZE) as frame:
         frame.render()
         measured = frame.measure()
@@ -204,7 +204,7 @@ def test_its_cost_is_told_as_shading(device: Device) -> None:
         assert [record.name for record in measured.shading] == [
             "occluders", "occlusion", "occlusion filter",
         ]  # fmt: skip
-        # The wall fills the picture, and the leaf's interior is drawn over it.
+        # The wall fills the picture, and the interior of the leaf is in front of it.
         pixels = SIDE * SIDE
         drawn, *screens = (record.fragments for record in measured.shading)
         assert screens == [pixels, pixels]
@@ -220,22 +220,22 @@ def test_its_cost_is_told_as_shading(device: Device) -> None:
 
 
 @pytest.mark.parametrize("soft", [0.3, 0.02])
-def test_of_a_constant_the_same_constant_is_inferred(device: Device, soft: float) -> None:
+def test_edges_infer_a_constant_openness_exactly(device: Device, soft: float) -> None:
     scene = leaf(round_leaf(soft))
     whole, part = (with_openness(device, scene, value) for value in (1.0, 0.4))
     assert whole.max() > 0.5
     np.testing.assert_allclose(part, 0.4 * whole, rtol=0, atol=4 * HALF_FLOAT)
 
 
-def test_an_even_leaf_infers_from_all_around(device: Device) -> None:
-    # Neither gradient nor interior: only the wall's openness is there to infer from.
+def test_a_leaf_of_constant_coverage_infers_from_its_surroundings(device: Device) -> None:
+    # It has neither a gradient nor an interior, so only the wall has an openness.
     scene = leaf(0.5)
     whole, part = (with_openness(device, scene, value) for value in (1.0, 0.4))
     np.testing.assert_allclose(part, 0.4 * whole, rtol=0, atol=4 * HALF_FLOAT)
 
 
-def test_little_weight_does_not_darken(device: Device) -> None:
-    # With no interior, all samples are on a wall 40 m away: their weights sum to 0.003.
+def test_small_weights_do_not_darken(device: Device) -> None:
+    # Without an interior, all samples are on a wall 40 m away. Their weights sum to 0.003.
     wall = Object("wall", quad((0, 0, -40), (80, 0, 0), (0, 80, 0)), BLACK)
     scene = leaf(round_leaf(0.3, 0.9), behind=(wall,))
     inferred = with_openness(device, scene, 1.0)
@@ -244,7 +244,7 @@ def test_little_weight_does_not_darken(device: Device) -> None:
     np.testing.assert_allclose(inferred, plain, rtol=0, atol=4 * HALF_FLOAT)
 
 
-def test_edges_are_as_open_as_the_interior_and_not_as_what_is_behind(device: Device) -> None:
+def test_edges_have_the_openness_of_the_interior_and_not_of_the_wall_behind(device: Device) -> None:
     scene = leaf()
     alpha = coverage_of(device, scene)
     inside = alpha >= 254 / 255
@@ -258,13 +258,13 @@ def test_edges_are_as_open_as_the_interior_and_not_as_what_is_behind(device: Dev
     np.testing.assert_allclose(inferred[inside], 0.2 * 0.8, rtol=0.01)
 
 
-def test_where_nothing_is_near_a_fragment_is_open(device: Device) -> None:
+def test_a_fragment_with_nothing_nearby_is_not_occluded(device: Device) -> None:
     scene = leaf(0.5, behind=())
     dark, open_ = (with_openness(device, scene, value) for value in (0.0, 1.0))
     np.testing.assert_array_equal(dark, open_)
 
 
-def test_other_transparent_surfaces_are_open(device: Device) -> None:
+def test_other_transparent_surfaces_are_not_occluded(device: Device) -> None:
     scene = leaf(binary=False)
     assert INFERRED not in scene.effects
     forced = scene.effects | INFERRED
@@ -276,7 +276,7 @@ def test_other_transparent_surfaces_are_open(device: Device) -> None:
 
 
 @pytest.mark.parametrize("running", [AO, AO | INFERRED])
-def test_fragments_and_interior_are_all_fragments(device: Device, running: Effect) -> None:
+def test_interiors_are_left_out_of_the_fragments(device: Device, running: Effect) -> None:
     scene = leaf()
     alpha = coverage_of(device, scene)[::-1]
     with opened(device, scene, "alpha_blend", SIZE, effects=Effect.COVERAGE) as frame:
@@ -292,7 +292,9 @@ def test_fragments_and_interior_are_all_fragments(device: Device, running: Effec
     ["a_buffer", "depth_peeling", "hashed_alpha", "sorted_over", "weighted_blended",
      "stochastic[samples=4,msaa=4]"],
 )  # fmt: skip
-def test_every_method_leaves_interiors_to_the_opaque_picture(device: Device, name: str) -> None:
+def test_interiors_are_part_of_the_opaque_picture_of_every_method(
+    device: Device, name: str
+) -> None:
     scene = leaf()
     with opened(device, scene, name, SIZE) as frame:
         frame.render()
@@ -305,7 +307,7 @@ def test_every_method_leaves_interiors_to_the_opaque_picture(device: Device, nam
             assert (frame.complexity[::-1][inside] == 0).all()
 
 
-def test_drawing_interiors_as_opaque_changes_no_picture_beyond_their_threshold(
+def test_opaque_interiors_change_a_picture_by_at_most_their_threshold(
     device: Device,
 ) -> None:
     scene = leaf()
@@ -314,15 +316,15 @@ def test_drawing_interiors_as_opaque_changes_no_picture_beyond_their_threshold(
     np.testing.assert_allclose(split, plain, rtol=0, atol=1 / 255)
 
 
-# The scene of figure 6
+# Figure 6 of McGuire & Mara 2017
 
 
-def test_foliage_under_the_sky_has_bright_outlines_unless_they_infer(device: Device) -> None:
+def test_foliage_under_the_sky_has_bright_outlines_without_inference(device: Device) -> None:
     scene = Collection.load().build_scene("foliage[light=sky,detail=0.05]")
     assert {"SHADOWS", "TRANSLUCENT_SHADOWS", "AMBIENT_OCCLUSION", "INFERRED_AO"} <= {
         effect.name for effect in scene.effects
     }
-    # Sunlight is the same in all three; without shadows the test is quick.
+    # Sunlight is the same in all three images; it has no shadows here, for speed.
     sky = scene.effects & ~(Effect.SHADOWS | Effect.TRANSLUCENT_SHADOWS)
     size = (2 * SIDE, 2 * SIDE)
     flat, outlined, consistent = (

@@ -1,4 +1,4 @@
-"""The GLSL that declarations imply, as text: no GPU is needed."""
+"""The GLSL that is generated from declarations, as text."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def accessors(step: Pass, counted: bool = False) -> str:
     return buffers.accessors(step, BUFFERS, Bindings.of(BUFFERS, counted))
 
 
-def test_each_written_target_is_an_output_in_order() -> None:
+def test_written_targets_are_outputs_in_order() -> None:
     step = gather(writes={"accum": ADD, "reveal": ADD, "mask": ADD})
     assert prelude.outputs(step, TARGETS).splitlines() == [
         "layout(location = 0) out vec4 accum;",
@@ -66,7 +66,7 @@ def test_dual_source_blending_allows_no_other_target() -> None:
         check_pass(step, TARGETS, {})
 
 
-def test_reads_have_the_type_of_the_texel() -> None:
+def test_functions_that_read_return_the_type_of_the_texel() -> None:
     text = prelude.reads(gather(reads=("accum", "reveal", "bounds", "mask")), TARGETS)
     for name, kind, swizzle, sampler in (
         ("accum", "vec4", "", "sampler2D"),
@@ -80,7 +80,7 @@ def test_reads_have_the_type_of_the_texel() -> None:
         assert f"{kind} read_{name}() " in text
 
 
-def test_nothing_that_is_not_declared_is_there() -> None:
+def test_only_declared_resources_have_functions() -> None:
     step = gather(writes={"color": OVER})
     assert prelude.reads(step, TARGETS) == ""
     assert accessors(step) == ""
@@ -89,7 +89,7 @@ def test_nothing_that_is_not_declared_is_there() -> None:
     assert "nodes" not in only_heads
 
 
-def test_a_buffers_fields_are_blocks_of_their_own() -> None:
+def test_each_field_of_a_buffer_is_a_block() -> None:
     text = accessors(gather(buffers=("heads", "nodes")))
     for binding, field, kind in (
         (0, "heads_first", "uint"),
@@ -109,20 +109,20 @@ def test_only_unsigned_fields_have_atomics() -> None:
         assert f"{verb}_nodes_front" not in text
 
 
-def test_only_buffers_of_fragments_are_allocated_from() -> None:
+def test_only_buffers_of_fragments_have_an_allocator() -> None:
     text = accessors(gather(buffers=("heads", "nodes")))
     assert "uint allocate_nodes()" in text
     assert "binding = 3) buffer nodes_allocator_block" in text
     assert "allocate_heads" not in text
 
 
-def test_side_effects_wait_for_the_depth_test() -> None:
+def test_gather_passes_with_buffers_test_depth_early() -> None:
     early = "layout(early_fragment_tests) in;"
     assert early in accessors(gather(buffers=("heads",)))
     assert early not in accessors(Resolve("resolve.glsl", buffers=("heads",)))
 
 
-def test_a_counted_build_counts_every_access_and_a_plain_one_none() -> None:
+def test_counted_programs_count_every_access() -> None:
     step = gather(buffers=("heads", "nodes"))
     plain, counted = accessors(step), accessors(step, counted=True)
     assert "counters" not in plain
@@ -147,7 +147,7 @@ def test_parameters_and_effects_are_macros() -> None:
     ]
 
 
-def test_undeclared_names_bring_the_nearest() -> None:
+def test_errors_about_unknown_names_suggest_the_nearest() -> None:
     near = r"gather\.glsl: unknown target 'acum'; did you mean accum"
     with pytest.raises(DeclarationError, match=near):
         check_pass(gather(writes={"acum": ADD}), TARGETS, {})
@@ -164,14 +164,14 @@ def test_a_target_cannot_be_read_while_it_is_written() -> None:
         check_pass(gather(reads=("accum",), writes={"accum": ADD}), TARGETS, {})
 
 
-def test_the_tables_of_sizes_agree_with_their_names() -> None:
+def test_sizes_of_formats_agree_with_their_names() -> None:
     for name, entry in FORMATS.items():
         digits = int("".join(c for c in name if c.isdigit()))
         assert 8 * entry.bytes == digits * entry.components, name
     assert all(size == 4 * int(kind[-1]) for kind, size in GLSL_BYTES.items() if "vec" in kind)
 
 
-def test_numbered_targets_are_reached_by_index() -> None:
+def test_numbered_targets_are_accessed_by_index() -> None:
     slices = {f"slice{i}": Target("rg32f") for i in range(2)}
     written = prelude.indexed(gather(writes=dict.fromkeys(slices, ADD)), slices)
     assert "vec2 get_slice(int i) { if (i == 1) return slice1; return slice0; }" in written

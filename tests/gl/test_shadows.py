@@ -1,4 +1,4 @@
-"""Shadows: what arrives behind a pane is what it lets through, in every channel and at any gap."""
+"""Shadows of opaque, translucent and colored casters, and caustics."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ ABOVE = Camera(position=(0, 6, 0), target=(0, 0, 0), up=(0, 0, -1), fov_y=math.r
 SUN = DirectionalLight((0.0, -1.0, 0.0), (math.pi, math.pi, math.pi))
 ALL = Effect.SHADOWS | Effect.TRANSLUCENT_SHADOWS | Effect.COLORED_SHADOWS | Effect.CAUSTICS
 WALKER = {1.3: 0.316, 1.5: 0.242, 2.0: 0.129}
-"""Part of its light that a solid of this index keeps back at normal incidence."""
+"""Fraction of the absorbed light that a solid of this index removes at normal incidence."""
 
 
 def level(name: str, height: float, half: float, material: Material, **more: bool) -> Object:
@@ -42,20 +42,20 @@ FLOOR = level("floor", 0.0, 3.0, Material(albedo=(1, 1, 1)), casts=False)
 
 
 def under(pane: Material, height: float = 1.0, light: DirectionalLight | SpotLight = SUN) -> Scene:
-    """Return a floor whose lit radiance is one, beneath a pane that shades its middle."""
+    """Return a floor, of radiance one where it is lit, below a pane that shades its middle."""
     return Scene("shade", ABOVE, (FLOOR, level("pane", height, 1.5, pane)), lights=(light,))
 
 
 def lit(device: Device, scene: Scene, effects: Effect = ALL) -> Image:
-    """Return what of the light arrives on the opaque surfaces in the middle of the view."""
+    """Return the radiance of the opaque surfaces in the middle of the view."""
     with opened(device, scene, Empty(), SIZE, effects=scene.effects & effects) as frame:
         frame.render()
         return frame.image()[16:48, 16:48]
 
 
-def close_in_the_mean(found: Image, wanted: npt.ArrayLike, sigmas: float = 4) -> None:
-    """Compare means; the error is that of the map's texels in view, each a draw of its own."""
-    expected = np.asarray(wanted, dtype=np.float64)
+def assert_mean(found: Image, mean: npt.ArrayLike, sigmas: float = 4) -> None:
+    """Compare means; each texel of the map in view is an independent sample."""
+    expected = np.asarray(mean, dtype=np.float64)
     texels = 500**2 / 4
     allowed = sigmas * np.sqrt(np.clip(expected * (1 - expected), 0, None) / texels) + 2e-3
     assert (abs(found.mean(axis=(0, 1)) - expected) <= allowed).all(), found.mean(axis=(0, 1))
@@ -63,24 +63,24 @@ def close_in_the_mean(found: Image, wanted: npt.ArrayLike, sigmas: float = 4) ->
 
 @pytest.mark.parametrize("height", [0.05, 0.5, 2.0])
 @pytest.mark.parametrize("transmission", [(0.9, 0.5, 0.1), (0.3, 0.3, 0.3)])
-def test_a_pane_lets_through_what_it_transmits_at_any_gap(
+def test_the_shadow_of_a_pane_has_its_transmittance_at_any_height(
     device: Device, transmission: RGB, height: float
 ) -> None:
     pane = Material(coverage=0.8, transmission=transmission)
     expected = 1 - 0.8 * (1 - np.asarray(transmission))
-    close_in_the_mean(lit(device, under(pane, height)), expected)
+    assert_mean(lit(device, under(pane, height)), expected)
 
 
 @pytest.mark.parametrize("index", WALKER)
-def test_solids_keep_back_less_in_their_middle(device: Device, index: float) -> None:
+def test_solids_absorb_less_light_in_their_middle(device: Device, index: float) -> None:
     solid = Material(transmission=(0.5, 0.2, 0.8), specular=0.0, index=index, solid=True)
     removed = WALKER[index] * (1 - np.asarray(solid.transmission))
-    close_in_the_mean(lit(device, under(solid)), 1 - removed)
+    assert_mean(lit(device, under(solid)), 1 - removed)
     without = ALL & ~Effect.CAUSTICS
-    close_in_the_mean(lit(device, under(solid), without), solid.transmission)
+    assert_mean(lit(device, under(solid), without), solid.transmission)
 
 
-def test_the_rim_of_a_solid_keeps_back_more(device: Device) -> None:
+def test_solids_absorb_more_light_at_their_rim(device: Device) -> None:
     glass = Material(transmission=(0.7, 0.7, 0.7), specular=0.0, index=1.5, solid=True)
     ball = Object("ball", sphere((0, 1.2, 0), 0.9, 64, 32), glass)
     scene = Scene("ball", ABOVE, (FLOOR, ball), lights=(SUN,))
@@ -88,23 +88,23 @@ def test_the_rim_of_a_solid_keeps_back_more(device: Device) -> None:
         frame.render()
         shade = frame.image()[..., 0]
     middle = shade[30:34, 30:34].mean()
-    # The ball's rim falls on the floor 0.9 m from the middle of a view 2.1 m wide.
+    # The shadow of the rim is 0.9 m from the middle of a view 2.1 m wide.
     rim = shade[32, int(32 + 0.84 * 64 / 2.116)]
     assert middle > 0.8
     assert rim < 0.55
 
 
-def test_two_panes_multiply(device: Device) -> None:
+def test_the_shadows_of_two_panes_multiply(device: Device) -> None:
     scene = under(Material(transmission=(0.9, 0.4, 0.6)))
     second = level("second", 1.7, 1.5, Material(transmission=(0.5, 0.8, 0.6)))
     found = lit(device, replace(scene, objects=(*scene.objects, second)))
-    # Chebyshev's bound is not tight for three depths: light leaks, by less than a tenth.
+    # Chebyshev's bound is not tight for three depths: at most a tenth of the light leaks.
     expected = np.multiply((0.9, 0.4, 0.6), (0.5, 0.8, 0.6))
     assert (found.mean(axis=(0, 1)) >= expected - 0.01).all()
     assert (found.mean(axis=(0, 1)) <= expected + 0.1).all()
 
 
-def test_three_maps_of_gray_light_equal_one(device: Device) -> None:
+def test_three_shadow_maps_of_a_gray_caster_equal_one(device: Device) -> None:
     scene = under(Material(transmission=(0.4, 0.4, 0.4)))
     one = lit(device, scene)
     counts = []
@@ -118,35 +118,35 @@ def test_three_maps_of_gray_light_equal_one(device: Device) -> None:
     assert counts == [1, 3]
 
 
-def test_nothing_kept_back_is_no_shadow(device: Device) -> None:
+def test_casters_that_absorb_nothing_have_no_shadow(device: Device) -> None:
     clear = Material(transmission=(1, 1, 1), coverage=0.7)
     np.testing.assert_allclose(lit(device, under(clear)), 1.0, atol=1e-6)
     absent = Material(coverage=0.0)
     np.testing.assert_allclose(lit(device, under(absent)), 1.0, atol=1e-6)
 
 
-def test_opaque_casters_hide_all(device: Device) -> None:
+def test_opaque_casters_absorb_all_light(device: Device) -> None:
     assert not lit(device, under(Material())).any()
     nearly = Material(coverage=1.0, transmission=(1e-6, 0.0, 0.0))
     assert lit(device, under(nearly)).max() < 1e-3
 
 
-def test_without_translucent_shadows_casters_are_all_or_nothing(device: Device) -> None:
+def test_without_translucent_shadows_a_caster_absorbs_all_or_nothing(device: Device) -> None:
     only = Effect.SHADOWS
     assert not lit(device, under(Material(coverage=0.6)), only).any()
     np.testing.assert_allclose(lit(device, under(Material(coverage=0.4)), only), 1.0, atol=1e-6)
 
 
-def test_a_spot_casts_the_same_colored_shadow(device: Device) -> None:
+def test_a_spot_light_casts_the_same_colored_shadow(device: Device) -> None:
     transmission = (0.9, 0.5, 0.2)
     spot = SpotLight((0, 5, 0), (0, 0, 0), (25, 25, 25), math.radians(50))
     bare = replace(under(Material(coverage=0.0)), lights=(spot,))
     ratio = lit(device, under(Material(transmission=transmission), 1.0, spot)) / lit(device, bare)
-    close_in_the_mean(ratio, transmission)
+    assert_mean(ratio, transmission)
 
 
 def test_shadows_do_not_swim_when_the_camera_moves(device: Device) -> None:
-    """The same points of the floor, seen from twice the distance through half the angle."""
+    """The camera moves to twice the distance and half the angle, and sees the same points."""
     scene = under(Material(transmission=(0.5, 0.5, 0.5)))
     far = math.atan(math.tan(ABOVE.fov_y / 2) / 2) * 2
     camera = replace(ABOVE, position=(0, 12, 0), fov_y=far)
@@ -156,13 +156,13 @@ def test_shadows_do_not_swim_when_the_camera_moves(device: Device) -> None:
 
 
 def test_smoke_shades_itself(device: Device) -> None:
-    """Layers of smoke, the light from behind the viewer: each is darker than the one before."""
+    """Layers of smoke, lit from behind the viewer, are darker from layer to layer."""
     smoke = Material(coverage=0.3, albedo=(1, 1, 1), isotropic=True)
     heights = [2.0, 1.6, 1.2, 0.8]
     shown, expected = [], []
     for height in heights:
         casters = [level(f"smoke {h}", h, 1.5, smoke) for h in heights]
-        # An opaque layer midway to the next one shows what light arrives there.
+        # An opaque probe midway to the next layer shows the light that arrives there.
         probe = level("probe", height - 0.2, 0.3, Material(albedo=(1, 1, 1)))
         scene = Scene("smoke", ABOVE, (FLOOR, probe, *casters), lights=(SUN,))
         shown.append(float(lit(device, scene)[12:20, 12:20].mean()))
@@ -179,11 +179,11 @@ def test_smoke_shades_itself(device: Device) -> None:
     np.testing.assert_allclose(shown, expected, atol=0.03)
 
 
-def test_the_map_is_lit_where_it_is_empty(device: Device) -> None:
-    """Two panes with nothing between and nothing below: a probe in the gap meets no shadow."""
+def test_empty_texels_of_a_shadow_map_are_lit(device: Device) -> None:
+    """A probe in the gap between two panes is lit."""
     pane = Material(coverage=0.9)
     sides = [Object(f"pane {x}", quad((x, 1, 0), (0.2, 0, 0), (0, 0, -0.2)), pane) for x in (-3, 3)]
-    # Nearer the light than the panes, and before the map's near plane.
+    # The first height is above the panes, in front of the near plane of the map.
     lit_pane = Material(albedo=(1, 1, 1), coverage=0.999)
     probe = level("probe", 1.5, 1.5, lit_pane, casts=False)
     for height in (1.5, 0.9):
@@ -194,7 +194,7 @@ def test_the_map_is_lit_where_it_is_empty(device: Device) -> None:
             np.testing.assert_allclose(frame.image()[24:40, 24:40], 0.999, atol=2e-3)
 
 
-def test_an_empty_frustum_shades_nothing(device: Device) -> None:
+def test_an_empty_frustum_casts_no_shadow(device: Device) -> None:
     scene = Scene("bare", ABOVE, (FLOOR,), lights=(SUN,))
     np.testing.assert_allclose(lit(device, scene), 1.0, atol=1e-6)
     behind = SpotLight((0, -1, 0), (0, -2, 0))
@@ -222,7 +222,7 @@ def test_grazing_floors_have_no_acne(device: Device) -> None:
     np.testing.assert_allclose(found, found.max(), rtol=0.02)
 
 
-def test_what_is_not_called_for_allocates_nothing(device: Device) -> None:
+def test_more_requested_effects_take_more_memory(device: Device) -> None:
     scene = under(Material(transmission=(0.9, 0.4, 0.6), index=1.5, solid=True))
     sizes = []
     for effects in (
@@ -239,6 +239,6 @@ def test_what_is_not_called_for_allocates_nothing(device: Device) -> None:
     assert sizes == sorted(set(sizes))
 
 
-def test_black_light_is_fine(device: Device) -> None:
+def test_a_black_light_lights_nothing(device: Device) -> None:
     dark = DirectionalLight((0, -1, 0), BLACK)
     assert not lit(device, replace(under(Material(0.5)), lights=(dark,))).any()

@@ -1,4 +1,4 @@
-"""Targets of one sample a pixel in a multisampled frame."""
+"""Targets with one sample per pixel in a multisampled frame."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ from oitbench.errors import DeclarationError
 from oitbench.gl.device import Device
 from oitbench.modeling.mesh import quad
 from oitbench.scene import WHITE, Camera, Material, Object, Scene
-from tests.helpers import opened, stranger, write_method
+from tests.helpers import foreign_method, opened, write_method
 
 TARGETS = '{"one": Target("r32f", single=True), "four": Target("r32f")}'
-APART = """(
+SEPARATE = """(
         Gather("one.glsl", writes={"one": ADD}),
         Gather("four.glsl", writes={"four": ADD}),
     )"""
@@ -23,24 +23,19 @@ SHADERS = {name: f"void gather(Fragment fragment) {{ {name} = 1.0; }}" for name 
 
 
 @pytest.fixture
-def leaning() -> Scene:
-    """A pane whose edges cross pixels, and a leaning wall that hides a part of it."""
+def rotated() -> Scene:
+    """A rotated pane, and a rotated wall that hides a part of it; their edges cross pixels."""
     pane = Object("pane", quad((0, 0, -4), (0.9, 0.3, 0), (-0.3, 0.9, 0)), Material(coverage=0.5))
     wall = Object("wall", quad((1, 0, -3), (0.8, 0.2, 0), (-0.1, 3, 0)), Material(emission=WHITE))
-    return Scene("leaning", Camera((0, 0, 0), (0, 0, -1)), (pane, wall))
+    return Scene("rotated", Camera((0, 0, 0), (0, 0, -1)), (pane, wall))
 
 
-def test_a_single_target_counts_centers_and_the_others_samples(
-    device: Device, leaning: Scene, tmp_path: Path
+def test_a_single_target_counts_centers_and_other_targets_count_samples(
+    device: Device, rotated: Scene, tmp_path: Path
 ) -> None:
-    chosen = stranger(
-        str(
-            write_method(
-                tmp_path / "counting", APART, TARGETS, members="sample_count = 4", **SHADERS
-            )
-        )
-    )
-    with opened(device, leaning, chosen, (64, 64)) as frame:
+    members = "sample_count = 4"
+    folder = write_method(tmp_path / "counting", SEPARATE, TARGETS, members=members, **SHADERS)
+    with opened(device, rotated, foreign_method(folder), (64, 64)) as frame:
         frame.render()
         one, four = frame.read("one")[..., 0], frame.read("four")[..., 0]
         centers = frame.complexity[::-1]
@@ -51,10 +46,10 @@ def test_a_single_target_counts_centers_and_the_others_samples(
     assert (abs(one - four) <= 0.75).all()
 
 
-def test_a_pass_writes_single_targets_or_others(
-    device: Device, leaning: Scene, tmp_path: Path
+def test_a_pass_that_writes_single_and_other_targets_is_refused(
+    device: Device, rotated: Scene, tmp_path: Path
 ) -> None:
-    chosen = stranger(str(write_method(tmp_path / "mixed", TOGETHER, TARGETS, **SHADERS)))
+    chosen = foreign_method(write_method(tmp_path / "mixed", TOGETHER, TARGETS, **SHADERS))
     refused = pytest.raises(DeclarationError, match="all targets or none must be single")
-    with refused, opened(device, leaning, chosen, (8, 8)):
+    with refused, opened(device, rotated, chosen, (8, 8)):
         pass

@@ -1,4 +1,4 @@
-"""Shaders are put together from files; an error names the file and line that it comes from."""
+"""Shaders are assembled from files, and errors name the file and line of their origin."""
 
 from __future__ import annotations
 
@@ -9,8 +9,7 @@ import pytest
 from oitbench.errors import DeclarationError
 from oitbench.gl.device import Device
 from oitbench.gl.program.source import Source
-from oitbench.plugins import Collection
-from tests.helpers import Layer, render, stack, write_method
+from tests.helpers import Layer, foreign_method, render, stack, write_method
 
 SIMPLE = '(Gather("draw.glsl", writes={"color": ADD}),)'
 
@@ -22,14 +21,14 @@ def source_of(folder: Path, **files: str) -> Source:
 
 
 def failure(device: Device, folder: Path, **shaders: str) -> str:
-    """Render a method with these shaders, and return what it fails with."""
-    chosen = Collection.load().add_method(write_method(folder / "simple", SIMPLE, **shaders))()
+    """Render a method with these shaders, and return the message of the error."""
+    chosen = foreign_method(write_method(folder / "simple", SIMPLE, **shaders))
     with pytest.raises(DeclarationError) as caught:
         render(device, stack([Layer(2, 0.5)]), chosen)
     return str(caught.value).replace(str(folder), "")
 
 
-def test_files_are_put_together_in_order(tmp_path: Path) -> None:
+def test_files_are_assembled_in_order(tmp_path: Path) -> None:
     source = source_of(tmp_path, first="float a;\n", second="float b;\n")
     source.add_text("prelude", "#define A 1")
     source.add_file("first.glsl")
@@ -42,7 +41,7 @@ def test_files_are_put_together_in_order(tmp_path: Path) -> None:
     ]
 
 
-def test_an_include_stands_where_it_is_written(tmp_path: Path) -> None:
+def test_an_include_is_replaced_by_its_file(tmp_path: Path) -> None:
     source = source_of(tmp_path, main='float a;\n#include "part.glsl"\nfloat b;\n', part="float p;")
     source.add_file("main.glsl")
     main, part = str(tmp_path / "main.glsl"), str(tmp_path / "part.glsl")
@@ -65,7 +64,7 @@ def test_a_file_is_included_once_and_never_in_itself(tmp_path: Path) -> None:
         source.add_file("loop.glsl")
 
 
-def test_engine_shaders_are_never_looked_up_in_a_methods_folder(tmp_path: Path) -> None:
+def test_engine_shaders_are_not_replaced_by_files_of_a_method(tmp_path: Path) -> None:
     source = source_of(tmp_path, random="// mine\n", own='#include "oitbench/random.glsl"\n')
     source.add_engine_file("shadow_map.glsl")
     source.add_file("own.glsl")
@@ -75,7 +74,7 @@ def test_engine_shaders_are_never_looked_up_in_a_methods_folder(tmp_path: Path) 
     assert "// mine" in source.text
 
 
-def test_a_methods_folder_goes_before_its_collections(tmp_path: Path) -> None:
+def test_the_folder_of_a_method_precedes_that_of_its_collection(tmp_path: Path) -> None:
     own, shared = tmp_path / "own", tmp_path / "glsl"
     for folder, names in ((own, ("a",)), (shared, ("a", "b"))):
         folder.mkdir()
@@ -87,14 +86,14 @@ def test_a_methods_folder_goes_before_its_collections(tmp_path: Path) -> None:
     assert source.lines == ["// a of own", "// b of glsl"]
 
 
-def test_a_kits_shader_finds_the_files_of_the_method(tmp_path: Path) -> None:
+def test_shaders_of_a_kit_include_files_of_the_method(tmp_path: Path) -> None:
     source = source_of(tmp_path, curve="// mine\n")
     source.add_file("absorbance/build.glsl")
     assert "// mine" in source.text
     assert any(place.startswith("oitbench/method/kits/absorbance/") for place, _ in source.places)
 
 
-def test_a_missing_file_is_told_with_its_folder(tmp_path: Path) -> None:
+def test_the_error_for_a_missing_file_names_its_folder(tmp_path: Path) -> None:
     with pytest.raises(DeclarationError, match=r"there is no shader 'nothing\.glsl'") as caught:
         Source([tmp_path]).add_file("nothing.glsl")
     assert str(tmp_path) in str(caught.value)
@@ -108,42 +107,48 @@ def test_a_missing_file_is_told_with_its_folder(tmp_path: Path) -> None:
         "ERROR: 0:4: 'x' : undeclared",
     ],
 )
-def test_every_drivers_way_to_give_a_line_is_read(tmp_path: Path, log: str) -> None:
+def test_the_line_formats_of_all_drivers_are_understood(tmp_path: Path, log: str) -> None:
     source = source_of(tmp_path, main="float a;\nfloat b;\n")
     source.add_text("prelude", "#define A 1")
     source.add_file("main.glsl")
-    told = source.explain(f"GLSL Compiler failed\n\nfragment_shader\n===\n{log}\n")
-    assert told.startswith(f"{tmp_path / 'main.glsl'}:2: ")
-    assert "\n" not in told
+    message = source.explain(f"GLSL Compiler failed\n\nfragment_shader\n===\n{log}\n")
+    assert message.startswith(f"{tmp_path / 'main.glsl'}:2: ")
+    assert "\n" not in message
 
 
-def test_a_compile_error_names_the_plugins_file_and_line(device: Device, tmp_path: Path) -> None:
-    told = failure(
+def test_a_compile_error_names_the_file_and_line_of_the_plugin(
+    device: Device, tmp_path: Path
+) -> None:
+    message = failure(
         device, tmp_path, draw="// one\nvoid gather(Fragment fragment) {\n    color = nowhere;\n}\n"
     )
-    assert told.startswith("/simple/draw.glsl:3: error")
-    assert "nowhere" in told
+    assert message.startswith("/simple/draw.glsl:3: error")
+    assert "nowhere" in message
 
 
-def test_an_error_in_or_after_an_include_keeps_its_place(device: Device, tmp_path: Path) -> None:
+def test_errors_in_and_after_an_include_have_the_right_place(
+    device: Device, tmp_path: Path
+) -> None:
     draw = '\n#include "part.glsl"\nvoid gather(Fragment fragment) {\n    color = four();\n}\n'
-    told = failure(device, tmp_path / "in", draw=draw, part="\n\nvec4 four() { return 4; }\n")
-    assert told.startswith("/simple/part.glsl:3: error")
-    told = failure(
+    message = failure(device, tmp_path / "in", draw=draw, part="\n\nvec4 four() { return 4; }\n")
+    assert message.startswith("/simple/part.glsl:3: error")
+    message = failure(
         device, tmp_path / "after", draw=draw, part="\nvec3 four() { return vec3(4.0); }\n"
     )
-    assert told.startswith("/simple/draw.glsl:4: error")
+    assert message.startswith("/simple/draw.glsl:4: error")
 
 
-def test_a_shader_cannot_use_what_its_pass_does_not_declare(device: Device, tmp_path: Path) -> None:
-    told = failure(
+def test_a_shader_cannot_use_resources_that_its_pass_does_not_declare(
+    device: Device, tmp_path: Path
+) -> None:
+    message = failure(
         device, tmp_path, draw="void gather(Fragment fragment) { color = read_opaque_color(); }"
     )
-    assert told.startswith("/simple/draw.glsl:1: error")
-    assert "read_opaque_color" in told
+    assert message.startswith("/simple/draw.glsl:1: error")
+    assert "read_opaque_color" in message
 
 
-def test_a_shader_without_its_function_is_told(device: Device, tmp_path: Path) -> None:
-    told = failure(device, tmp_path, draw="void gathers(Fragment fragment) {}\n")
-    assert "gather" in told
-    assert "\n" not in told
+def test_a_shader_without_its_function_is_refused(device: Device, tmp_path: Path) -> None:
+    message = failure(device, tmp_path, draw="void gathers(Fragment fragment) {}\n")
+    assert "gather" in message
+    assert "\n" not in message

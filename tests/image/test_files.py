@@ -1,4 +1,4 @@
-"""Image files, the display encoding and the box filter."""
+"""Image files, the sRGB encoding and the box filter."""
 
 from __future__ import annotations
 
@@ -11,19 +11,11 @@ import pytest
 from oitbench.atomic import replacing
 from oitbench.errors import UsageError
 from oitbench.image import files as images
-
-
-@pytest.fixture
-def picture() -> images.Image:
-    return np.random.default_rng(7).random((24, 32, 3), dtype=np.float32)
-
-
-def constant(color: tuple[float, float, float], side: int = 24) -> images.Image:
-    return np.full((side, side, 3), color, dtype=np.float32)
+from tests.image.helpers import constant
 
 
 def test_srgb_matches_the_standard() -> None:
-    # IEC 61966-2-1: 18 % gray is encoded as 0.4614, and the toe is linear.
+    # IEC 61966-2-1: 18 % gray is encoded as 0.4614, and dark values are linear.
     encoded = images.to_srgb(constant((0.18, 0.001, 2.0)), 0.0)
     assert encoded[0, 0] == pytest.approx([0.461356, 0.01292, 1.0], abs=1e-5)
     assert images.to_srgb(constant((0.09, 0, 0)), 1.0)[0, 0, 0] == encoded[0, 0, 0]
@@ -33,18 +25,18 @@ def test_srgb_matches_the_standard() -> None:
 def test_exr_keeps_values_and_rows(tmp_path: Path, picture: images.Image, half: bool) -> None:
     stored = picture.astype(np.float16).astype(np.float32) if half else picture.copy()
     stored[0, 1], stored[2, 3] = np.nan, np.inf
-    # A flipped view is not contiguous; the binding would misread it.
+    # A flipped view is not contiguous, and OpenEXR's binding would misread it.
     images.write_exr(tmp_path / "a" / "b.exr", stored[::-1], half=half)
     assert np.array_equal(images.read_exr(tmp_path / "a" / "b.exr"), stored[::-1], equal_nan=True)
     assert [path.name for path in (tmp_path / "a").iterdir()] == ["b.exr"]
 
 
-def test_half_floats_refuse_larger_values(tmp_path: Path) -> None:
+def test_values_that_do_not_fit_a_half_float_are_refused(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match="does not fit a half"):
         images.write_exr(tmp_path / "a.exr", constant((1e6, 0, 0)), half=True)
 
 
-def test_missing_and_damaged_images_are_named(tmp_path: Path, picture: images.Image) -> None:
+def test_missing_and_damaged_images_are_refused(tmp_path: Path, picture: images.Image) -> None:
     with pytest.raises(UsageError, match=r"no\.exr: there is no such image"):
         images.read_exr(tmp_path / "no.exr")
     path = tmp_path / "cut.exr"
@@ -82,7 +74,7 @@ def test_flip_maps_and_images_are_distinguished(tmp_path: Path, picture: images.
             images.write_flip_maps(tmp_path / "maps.exr", *pair)
 
 
-def test_a_failed_write_leaves_the_old_file_and_no_partial_one(tmp_path: Path) -> None:
+def test_a_failed_write_keeps_the_old_file_and_leaves_no_partial_one(tmp_path: Path) -> None:
     path = tmp_path / "a.txt"
     path.write_text("old")
 
@@ -97,13 +89,15 @@ def test_a_failed_write_leaves_the_old_file_and_no_partial_one(tmp_path: Path) -
     assert list(tmp_path.iterdir()) == [path]
 
 
-def test_exr_into_a_file_as_folder_is_a_usage_error(tmp_path: Path, picture: images.Image) -> None:
+def test_an_image_in_a_file_instead_of_a_folder_is_refused(
+    tmp_path: Path, picture: images.Image
+) -> None:
     (tmp_path / "file").touch()
     with pytest.raises(UsageError, match="cannot be written"):
         images.write_exr(tmp_path / "file" / "a.exr", picture)
 
 
-def test_png_shows_pixels_that_are_not_finite(tmp_path: Path) -> None:
+def test_png_marks_pixels_that_are_not_finite(tmp_path: Path) -> None:
     from PIL import Image
 
     picture = constant((0.5, 0.5, 0.5))

@@ -1,4 +1,4 @@
-"""Image metrics: known values, and images that must not be scored in silence."""
+"""Image metrics: known values, and images without a score."""
 
 from __future__ import annotations
 
@@ -11,21 +11,13 @@ import pytest
 from oitbench.image import files as images
 from oitbench.image import metrics
 from oitbench.scene import Floats
-
-
-@pytest.fixture
-def picture() -> images.Image:
-    return np.random.default_rng(7).random((24, 32, 3), dtype=np.float32)
-
-
-def constant(color: tuple[float, float, float], side: int = 24) -> images.Image:
-    return np.full((side, side, 3), color, dtype=np.float32)
+from tests.image.helpers import constant
 
 
 def flip_of_constants(one: Floats, other: Floats) -> float:
-    """Return FLIP of two constant images of linear color, by the equations of the HPG 2020 paper.
+    """Return FLIP of two constant images of linear color (Andersson et al. 2020).
 
-    Filters and features vanish. The Hunt-adjusted HyAB distance and its remapping remain.
+    Filters and features have no influence; the Hunt-adjusted HyAB distance is remapped.
     """
     to_xyz = np.array(
         [
@@ -54,7 +46,7 @@ def flip_of_constants(one: Floats, other: Floats) -> float:
     return 0.95 + 0.05 * (error - knee) / (largest - knee)
 
 
-def test_invalid_pixels_are_counted_and_not_channels() -> None:
+def test_invalid_pixels_are_counted_once_for_all_channels() -> None:
     picture = constant((1, 1, 1))
     picture[0, 0] = np.nan
     picture[0, 1] = (np.inf, 0, 0)
@@ -73,7 +65,7 @@ def test_flip_matches_the_published_equations() -> None:
         assert measured == pytest.approx(expected, abs=2e-4), (one, other)
 
 
-def test_flip_depends_on_the_exposed_image_alone(picture: images.Image) -> None:
+def test_flip_depends_on_the_exposed_image(picture: images.Image) -> None:
     other = picture[::-1]
     direct = metrics.flip_ldr(picture, other, 0.0)
     assert direct is not None
@@ -81,7 +73,7 @@ def test_flip_depends_on_the_exposed_image_alone(picture: images.Image) -> None:
     assert metrics.flip_ldr(picture / 4, other / 4, 2.0) == pytest.approx(direct, abs=1e-6)
 
 
-def test_the_values_of_flip_are_the_means_of_the_maps(picture: images.Image) -> None:
+def test_flip_is_the_mean_of_its_map(picture: images.Image) -> None:
     scores = metrics.compare(picture, picture[::-1], 0.5)
     assert set(scores.maps) == {metrics.FLIP_LDR, metrics.FLIP_HDR}
     for name, errors in scores.maps.items():
@@ -92,7 +84,7 @@ def test_the_values_of_flip_are_the_means_of_the_maps(picture: images.Image) -> 
     assert scores.values[metrics.RMSE] == metrics.rmse(picture, picture[::-1])
 
 
-def test_equal_images() -> None:
+def test_equal_images_have_no_error() -> None:
     picture = constant((0.2, 0.5, 0.8))
     values = metrics.compare(picture, picture, 0.0).values
     assert tuple(values) == metrics.NAMES
@@ -102,7 +94,7 @@ def test_equal_images() -> None:
     json.dumps(values, allow_nan=False)
 
 
-def test_errors_of_known_size() -> None:
+def test_errors_of_constant_images_have_their_closed_form() -> None:
     truth, guess = constant((0.5, 0.5, 0.5)), constant((0.75, 0.5, 0.5))
     values = metrics.compare(truth, guess, 0.0).values
     assert values[metrics.RMSE] == pytest.approx(0.25 / math.sqrt(3))
@@ -123,7 +115,7 @@ def test_pixels_that_are_not_finite_have_no_score(picture: images.Image, bad: fl
 
 
 def test_hdr_flip_accepts_a_black_reference(picture: images.Image) -> None:
-    # With automatic exposures, the evaluator would end the process here.
+    # With automatic exposures, the evaluator would exit the process.
     black = np.zeros_like(picture)
     assert metrics.compare(black, black, 0.0).values[metrics.FLIP_HDR] == 0
     error = metrics.compare(black, picture, 0.0).values[metrics.FLIP_HDR]
@@ -138,7 +130,7 @@ def test_hdr_flip_detects_differences_that_the_display_clips() -> None:
     assert (values[metrics.FLIP_HDR] or 0) > 0.05
 
 
-def test_wrong_types_and_shapes_raise(picture: images.Image) -> None:
+def test_wrong_types_and_shapes_are_refused(picture: images.Image) -> None:
     with pytest.raises(TypeError, match="uint8"):
         metrics.flip_ldr((picture * 255).astype(np.uint8), picture, 0.0)
     with pytest.raises(ValueError, match=r"\(height, width, 3\)"):
@@ -154,7 +146,7 @@ def test_small_images_have_no_ssim() -> None:
     assert values[metrics.RMSE] == 0
 
 
-def test_transmittance(picture: images.Image) -> None:
+def test_the_error_of_transmittance_is_the_rmse_of_its_mean(picture: images.Image) -> None:
     gray = picture.mean(axis=-1)
     assert metrics.rmse_transmittance(picture, gray) == pytest.approx(0, abs=1e-7)
     assert metrics.rmse_transmittance(gray, gray + 0.5) == pytest.approx(0.5)

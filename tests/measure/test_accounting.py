@@ -1,4 +1,4 @@
-"""Memory and traffic follow from declarations and measured counts alone."""
+"""Memory and traffic follow from declarations and from counted fragments."""
 
 from __future__ import annotations
 
@@ -8,14 +8,22 @@ import numpy as np
 import pytest
 
 from oitbench.gl.device import Device
-from oitbench.gl.draws.records import PassRecord, Term
+from oitbench.gl.draws.records import PassRecord
 from oitbench.gl.frame import Frame
 from oitbench.measure import accounting
 from oitbench.method.passes import Gather
 from oitbench.modeling.mesh import quad
 from oitbench.results.schema import MemoryTerm, TrafficTerm
 from oitbench.scene import WHITE, Camera, Material, Object, Scene
-from tests.helpers import collection, method, opened, random_lists, render, scene_of
+from tests.helpers import (
+    bits_per_pixel,
+    collection,
+    method,
+    opened,
+    random_lists,
+    render,
+    scene_of,
+)
 
 SIZE = (96, 70)
 PIXELS = 96 * 70
@@ -31,7 +39,7 @@ def planes() -> Scene:
 
 @pytest.fixture
 def half_hidden() -> Scene:
-    """Three panes of a pane's size; a wall hides the farthest, and half of the middle one."""
+    """Three panes; one wall hides half of the middle pane, another one hides the farthest."""
     panes = [
         Object(f"pane {z}", quad((0, 0, -z), (0.5, 0, 0), (0, 0.5, 0)), Material(coverage=0.5))
         for z in (2.0, 4.0, 6.0)
@@ -42,7 +50,7 @@ def half_hidden() -> Scene:
 
 
 def measured(frame: Frame) -> tuple[list[TrafficTerm], list[PassRecord]]:
-    """Render, then measure one more frame, as cells do."""
+    """Render, then measure another frame; return its traffic and its passes."""
     frame.render()
     measured = frame.measure()
     return accounting.traffic(frame, measured).terms, measured.passes
@@ -53,7 +61,7 @@ def total(terms: list[TrafficTerm], pass_: str, *kinds: str) -> int:
 
 
 @pytest.mark.parametrize(("node", "record"), [("compact", 12), ("precise", 32)])
-def test_an_a_buffer_takes_a_head_a_pixel_and_a_record_a_fragment(
+def test_an_a_buffer_has_one_head_per_pixel_and_one_record_per_fragment(
     device: Device, planes: Scene, node: str, record: int
 ) -> None:
     with opened(device, planes, f"a_buffer[node={node}]", SIZE) as frame:
@@ -70,11 +78,10 @@ def test_an_a_buffer_takes_a_head_a_pixel_and_a_record_a_fragment(
     ("name", "bits"),
     [("weighted_blended", 72), ("alpha_blend", 0), ("sorted_over", 0), ("sorted_two_pass", 0)],
 )
-def test_memory_without_lists_is_so_many_bits_a_pixel(
+def test_methods_without_lists_have_a_fixed_number_of_bits_per_pixel(
     device: Device, planes: Scene, name: str, bits: int
 ) -> None:
-    with opened(device, planes, name, SIZE) as frame:
-        assert accounting.memory(frame).bits_per_pixel == bits
+    assert bits_per_pixel(device, planes, name, size=SIZE) == bits
 
 
 @pytest.mark.parametrize(
@@ -88,7 +95,7 @@ def test_memory_without_lists_is_so_many_bits_a_pixel(
         ("weighted_blended", 18),
     ],
 )
-def test_blending_moves_so_many_bytes_a_fragment(
+def test_blending_has_a_fixed_number_of_bytes_per_fragment(
     device: Device, planes: Scene, name: str, size: int
 ) -> None:
     with opened(device, planes, name, SIZE) as frame:
@@ -101,7 +108,7 @@ def test_blending_moves_so_many_bytes_a_fragment(
         )
 
 
-def test_weighted_blending_reads_its_targets_once_in_the_end(device: Device, planes: Scene) -> None:
+def test_weighted_blending_reads_its_targets_once(device: Device, planes: Scene) -> None:
     with opened(device, planes, "weighted_blended", SIZE) as frame:
         terms, _ = measured(frame)
         reads = {t.resource: t.bytes for t in terms if t.kind == "read"}
@@ -111,13 +118,13 @@ def test_weighted_blending_reads_its_targets_once_in_the_end(device: Device, pla
 
 
 @pytest.mark.parametrize(("node", "payload"), [("compact", 8), ("precise", 28)])
-def test_an_a_buffer_writes_and_reads_every_record_once(
+def test_an_a_buffer_writes_and_reads_each_record_once(
     device: Device, planes: Scene, node: str, payload: int
 ) -> None:
     with opened(device, planes, f"a_buffer[node={node}]", SIZE, counted=True) as frame:
         terms, _ = measured(frame)
         fragments = 4 * PIXELS
-        # A record, and the exchange of the head; the allocator is a term of its own.
+        # The link and the payload of each record.
         assert total(terms, "capture", "write") == (4 + payload) * fragments
         atomics = {t.resource: t.bytes for t in terms if t.kind == "atomic"}
         assert atomics == {"heads.first": 8 * fragments, "nodes.allocator": 8 * fragments}
@@ -126,13 +133,13 @@ def test_an_a_buffer_writes_and_reads_every_record_once(
         assert total(terms, "clear") == 4 * PIXELS
 
 
-def test_the_iterative_resolve_reads_the_square(device: Device) -> None:
+def test_the_iterative_resolve_reads_a_quadratic_number_of_records(device: Device) -> None:
     scene = scene_of(random_lists(5))
     name = "a_buffer[node=compact,resolve=iterative]"
     with opened(device, scene, name, counted=True) as frame:
         terms, _ = measured(frame)
         heads, once, square = 4 * 256, 12 * 5 * 256, 12 * 5 * 5 * 256
-        # A last round walks along the links and finds nothing left to do.
+        # The last round follows the links and finds no further record.
         last = (4 + 5 * 4) * 256
         assert total(terms, "resolve_iterative", "read") == heads + once + square + last
 
@@ -161,7 +168,7 @@ def test_hidden_fragments_are_not_counted(device: Device, half_hidden: Scene, na
     with opened(device, half_hidden, name, (64, 64), counted=True) as frame:
         terms, records = measured(frame)
         counts = Counter(frame.complexity.ravel().tolist())
-        # The near pane is seen whole, the middle one by its left half.
+        # The near pane is visible, and so is the left half of the middle one.
         assert set(counts) == {0, 1, 2}
         visible = counts[1] + 2 * counts[2]
         gathers = [r for r in records if r.name in {t.pass_ for t in terms} and r.fragments != 4096]
@@ -174,12 +181,7 @@ def test_hidden_fragments_are_not_counted(device: Device, half_hidden: Scene, na
             ) == (visible)
 
 
-def test_a_terms_bytes_are_items_times_size() -> None:
-    term = Term("gather", "accum", "blend", 100, 8)
-    assert term.bytes == 800
-
-
-def test_every_method_of_the_suite_can_be_accounted_for(device: Device, planes: Scene) -> None:
+def test_every_method_of_the_suite_has_an_account(device: Device, planes: Scene) -> None:
     for name in collection().methods:
         with opened(device, planes, method(name), (16, 16), counted=True) as frame:
             terms, _ = measured(frame)

@@ -1,15 +1,12 @@
-"""Visibility curves: what the probe finds at a pixel, and what the instrument makes of it."""
+"""Visibility curves: the fragments that a probe finds at a pixel, and the curves of methods."""
 
 from __future__ import annotations
 
-import csv
-import json
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from oitbench.cli import main
 from oitbench.errors import UsageError
 from oitbench.gl.device import Device
 from oitbench.gl.probe import probe
@@ -31,7 +28,9 @@ def one_pixel(*layers: Layer) -> FragmentLists:
 
 
 @pytest.mark.parametrize("pixel", [(48, 40), (40, 30), (57, 50)])
-def test_the_probe_finds_what_the_pixel_is_made_of(device: Device, pixel: tuple[int, int]) -> None:
+def test_the_fragments_of_the_probe_composite_to_the_pixel(
+    device: Device, pixel: tuple[int, int]
+) -> None:
     scene = collection().build_scene("smoke_ball[detail=0.1]")
     with UploadedScene(device, scene) as uploaded:
         found = probe(uploaded, SIZE, pixel)
@@ -58,7 +57,7 @@ def test_an_empty_pixel_has_no_fragments(device: Device) -> None:
         assert len(probe(uploaded, SIZE, (0, 0)).z) == 0
 
 
-def test_the_exact_curve_is_the_product_of_what_lies_nearer() -> None:
+def test_the_exact_curve_is_the_product_of_nearer_transmittances() -> None:
     found = visibility.exact_curve(one_pixel(*LAYERS))[:, 0]
     # At 4, 2 and 3 m, and behind: transmittances 0.5, 0.75 and 0.75.
     assert found == pytest.approx([0.75 * 0.75, 1.0, 0.75, 0.5 * 0.75 * 0.75])
@@ -73,13 +72,13 @@ def test_exact_methods_have_the_exact_curve(device: Device) -> None:
         assert noise.max() == 0
 
 
-def test_unsorted_blending_sees_the_order_of_the_draws(device: Device) -> None:
+def test_unsorted_blending_follows_the_order_of_the_draws(device: Device) -> None:
     found, _ = visibility.method_curve(device, method("alpha_blend"), one_pixel(*LAYERS), CAMERA)
-    # The last one drawn lies in front of all, whatever its depth.
+    # The last draw is in front of all others, at any depth.
     assert found[:, 0] == pytest.approx([0.75 * 0.75, 0.75, 1.0, 0.28125], abs=2e-3)
 
 
-def test_layers_without_coverage_leave_gaps(device: Device) -> None:
+def test_curves_have_gaps_at_layers_without_coverage(device: Device) -> None:
     fragments = one_pixel(Layer(1, 0.5), Layer(2, 0.0), Layer(3, 0.5))
     found, _ = visibility.method_curve(device, method("a_buffer"), fragments, CAMERA)
     for curve in (found, visibility.exact_curve(fragments)):
@@ -87,13 +86,13 @@ def test_layers_without_coverage_leave_gaps(device: Device) -> None:
         assert curve[[0, 2, 3], 0] == pytest.approx([1.0, 0.5, 0.25], abs=1e-3)
 
 
-def test_colored_glass_has_a_curve_a_channel(device: Device) -> None:
+def test_colored_glass_has_one_curve_per_channel(device: Device) -> None:
     fragments = one_pixel(Layer(1, 1.0, RED, (1.0, 0.5, 0.25)), Layer(2, 0.5))
     found, _ = visibility.method_curve(device, method("a_buffer"), fragments, CAMERA)
     assert found[1] == pytest.approx([1.0, 0.5, 0.25], abs=1e-3)
 
 
-def test_random_methods_are_averaged(device: Device) -> None:
+def test_curves_of_random_methods_are_averaged(device: Device) -> None:
     chosen = method("stochastic[correction=none]")
     fragments = one_pixel(Layer(1, 0.5), Layer(2, 0.5))
     found, noise = visibility.method_curve(device, chosen, fragments, CAMERA)
@@ -101,52 +100,7 @@ def test_random_methods_are_averaged(device: Device) -> None:
     assert abs(found[1] - 0.5).max() < 5 * noise[1].max()
 
 
-def test_the_verb_writes_data_and_a_figure(
-    device: Device, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    argv = ["oitbench", "visibility", "layer_stack", "--pixel", "32,32", "--size", "64x64"]
-    argv += ["--method", "a_buffer", "--method", "k_buffer[k=2,4]", "-o", str(tmp_path)]
-    monkeypatch.setattr("sys.argv", argv)
-    main()
-    facts = json.loads((tmp_path / "visibility.json").read_text(encoding="utf-8"))
-    assert set(facts["visibility"]) == {"exact", "a_buffer", "k_buffer[k=2]", "k_buffer[k=4]"}
-    z = facts["fragments"]["z"]
-    assert z == sorted(z)
-    assert len(facts["visibility"]["exact"]) == len(z) + 1
-    with (tmp_path / "visibility.csv").open(encoding="utf-8") as file:
-        rows = list(csv.DictReader(file))
-    assert len(rows) == 4 * (len(z) + 1)
-    errors = [float(row["error_g"]) for row in rows if row["method"] == "a_buffer"]
-    assert max(map(abs, errors)) < 1e-5
-    assert (tmp_path / "visibility.png").stat().st_size > 10_000
-    assert (tmp_path / "visibility.pdf").stat().st_size > 1_000
-
-
-@pytest.mark.parametrize(
-    ("pixel", "told"),
-    [
-        ("64,0", "pixel 64,0 lies outside a frame of 64x64"),
-        ("middle", "cannot read pixel 'middle'"),
-        ("0,0", "nothing transparent is at pixel 0,0"),
-    ],
-)
-def test_pixels_that_cannot_be_measured_are_told(
-    device: Device,
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
-    pixel: str,
-    told: str,
-) -> None:
-    argv = ["oitbench", "visibility", "smoke_ball[detail=0.1]", "--pixel", pixel]
-    monkeypatch.setattr("sys.argv", [*argv, "--size", "64x64", "-o", str(tmp_path)])
-    with pytest.raises(SystemExit) as stop:
-        main()
-    assert stop.value.code == 2
-    assert told in capsys.readouterr().err
-
-
-def test_an_unwritable_folder_is_told(tmp_path: Path) -> None:
+def test_a_folder_that_cannot_be_written_to_is_refused(tmp_path: Path) -> None:
     fragments = one_pixel(*LAYERS)
     curve = visibility.exact_curve(fragments)
     curves = visibility.Curves("s", (0, 0), (1, 1), fragments, curve, {}, {}, {}, {})

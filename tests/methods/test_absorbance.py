@@ -1,4 +1,7 @@
-"""Opacity maps and Fourier maps against their own models, and the memory that papers print."""
+"""Opacity maps and Fourier maps against their models, and their published memory.
+
+Published sizes are those of Salvi et al. 2011, "Adaptive Transparency", for 1280×720 pixels.
+"""
 
 from __future__ import annotations
 
@@ -13,7 +16,17 @@ from oitbench.gl.device import Device
 from oitbench.measure import accounting
 from oitbench.measure.oracle import composite, transmittances
 from oitbench.scene import Floats, FragmentLists
-from tests.helpers import BACKGROUND, NOTHING, Layer, opened, random_lists, render, scene_of, stack
+from tests.helpers import (
+    BACKGROUND,
+    NOTHING,
+    Layer,
+    bits_per_pixel,
+    opened,
+    random_lists,
+    render,
+    scene_of,
+    stack,
+)
 from tests.models import absorbance as model
 
 MEMORIES = ("node=precise", "memory=fixed")
@@ -54,14 +67,14 @@ def test_pictures_follow_the_model(
 ) -> None:
     random = np.random.default_rng(seed)
     drawn = random_lists(layers, tinted=True, seed=seed, side=8)
-    # Anywhere, so that no layer is a rounding error away from a slice; some clear, some opaque.
+    # Random distances keep layers away from the edges of slices. Some layers are clear or opaque.
     drawn.z[:] = random.uniform(1, 9, drawn.z.shape)
     drawn.coverage[random.random(drawn.z.shape) < 0.1] = 0.0
     opaque = random.random(drawn.z.shape) < 0.05
     drawn.coverage[opaque], drawn.transmission[opaque] = 1.0, 0.0
     found = render(device, drawn, f"{curve},channels={channels},{memory}]")
     truth = expected(drawn, curve, channels == "rgb")
-    # Relative depths are 2^-22 off; 31 coefficients of absorbance up to 12 a layer make it more.
+    # The error of relative depths, 2^-22, grows with 31 coefficients and absorbances up to 12.
     np.testing.assert_allclose(found, truth, rtol=2e-5, atol=2e-5)
 
 
@@ -77,7 +90,7 @@ def test_total_transmittance_is_exact(device: Device, curve: str, memory: str) -
 
 @pytest.mark.parametrize("curve", CURVES)
 @pytest.mark.parametrize("memory", MEMORIES)
-def test_visibility_is_a_fraction_and_falls_in_opacity_maps(
+def test_visibility_is_between_0_and_1_and_falls_in_opacity_maps(
     device: Device, curve: str, memory: str
 ) -> None:
     side = 64
@@ -97,13 +110,15 @@ def test_visibility_is_a_fraction_and_falls_in_opacity_maps(
 
 @pytest.mark.parametrize("curve", DEFAULTS)
 @pytest.mark.parametrize("memory", MEMORIES)
-def test_what_absorbs_nothing_sets_no_bounds(device: Device, curve: str, memory: str) -> None:
+def test_layers_that_absorb_nothing_do_not_change_the_bounds(
+    device: Device, curve: str, memory: str
+) -> None:
     dark = [Layer(3.0, 0.5, (0.2, 0.4, 0.6)), Layer(4.0, 0.3, (0.9, 0.1, 0.5))]
     clear = [Layer(0.5, 0.0), Layer(300.0, 0.0)]
     name = f"{curve},{memory}]"
     alone = render(device, stack(dark, 2), name)
     np.testing.assert_array_equal(render(device, stack([*clear, *dark], 2), name), alone)
-    # A clear layer that shines is seen through all of what is in front of it, and no more.
+    # A clear layer with radiance is attenuated by the layer in front of it.
     shining = Layer(300.0, 1.0, (1.0, 1.0, 1.0), (1.0, 1.0, 1.0))
     added = render(device, stack([shining, dark[0]], 2), name) - render(
         device, stack([dark[0]], 2), name
@@ -112,13 +127,13 @@ def test_what_absorbs_nothing_sets_no_bounds(device: Device, curve: str, memory:
 
 
 @pytest.mark.parametrize("curve", DEFAULTS)
-def test_both_memories_give_one_picture(device: Device, curve: str) -> None:
+def test_lists_and_fixed_memory_give_the_same_picture(device: Device, curve: str) -> None:
     drawn = random_lists(40, tinted=True, side=8)
     pictures = [render(device, drawn, f"{curve},channels=rgb,{m}]") for m in MEMORIES]
     np.testing.assert_allclose(pictures[0], pictures[1], rtol=0, atol=1e-5)
 
 
-def test_lanczos_rings_less(device: Device) -> None:
+def test_lanczos_factors_reduce_ringing(device: Device) -> None:
     side = 64
     drawn = stack(
         [
@@ -145,16 +160,13 @@ def test_lanczos_rings_less(device: Device) -> None:
         ("fourier_map[memory=fixed,msaa=4]", 253.1),
     ],
 )
-def test_maps_take_the_memory_that_the_paper_prints(
-    device: Device, name: str, mebibytes: float
-) -> None:
-    with opened(device, scene_of(random_lists(1)), name) as frame:
-        bits = accounting.memory(frame).bits_per_pixel
+def test_maps_have_the_published_memory(device: Device, name: str, mebibytes: float) -> None:
+    bits = bits_per_pixel(device, scene_of(random_lists(1)), name)
     assert round(bits / 8 * PIXELS_720P / MIB, 1) == mebibytes
 
 
-def variable_bytes(device: Device, name: str) -> tuple[float, float]:
-    """Return bytes a pixel and bytes a fragment, from lists of two lengths."""
+def bytes_of_lists(device: Device, name: str) -> tuple[float, float]:
+    """Return bytes per pixel and bytes per fragment, from lists of two lengths."""
     totals = []
     for layers in (1, 3):
         with opened(device, scene_of(random_lists(layers)), name) as frame:
@@ -171,32 +183,32 @@ def variable_bytes(device: Device, name: str) -> tuple[float, float]:
     "name", ["a_buffer[node=compact]", "adaptive", "opacity_map", "fourier_map"]
 )
 @pytest.mark.parametrize(
-    ("millions", "printed", "heads"),
+    ("millions", "published", "heads"),
     [
         (10.6, 125.4, True),
         (15.0, 174.6, True),
         (6.0, 72.6, True),
-        # The paper leaves the heads of this scene out.
+        # The published size of these scenes does not include the heads.
         (2.69, 30.8, False),
         (3.47, 39.7, False),
     ],
 )
-def test_lists_take_the_memory_that_the_paper_prints(
-    device: Device, name: str, millions: float, printed: float, heads: bool
+def test_lists_have_the_published_memory(
+    device: Device, name: str, millions: float, published: float, heads: bool
 ) -> None:
-    pixel, record = variable_bytes(device, name)
+    pixel, record = bytes_of_lists(device, name)
     assert (pixel, record) == (4, 12)
-    # Fragment counts are printed to so many digits.
+    # Published numbers of fragments are rounded to one or two decimals.
     half_digit = 0.5 * 10.0 ** -(2 if millions < 6 else 1)
     base = pixel * PIXELS_720P * heads
     low, high = ((base + record * (millions + sign * half_digit) * 1e6) / MIB for sign in (-1, 1))
-    assert low - 0.05 <= printed <= high + 0.05
+    assert low - 0.05 <= published <= high + 0.05
     if not heads:
-        assert printed < (pixel * PIXELS_720P + record * (millions - half_digit) * 1e6) / MIB - 3
+        assert published < (pixel * PIXELS_720P + record * (millions - half_digit) * 1e6) / MIB - 3
 
 
 @pytest.mark.parametrize(
     ("name", "record"), [("adaptive[channels=rgb]", 16), ("opacity_map[node=precise]", 32)]
 )
-def test_colored_and_precise_records_take_more(device: Device, name: str, record: int) -> None:
-    assert variable_bytes(device, name) == (4, record)
+def test_colored_and_precise_records_are_larger(device: Device, name: str, record: int) -> None:
+    assert bytes_of_lists(device, name) == (4, record)

@@ -1,4 +1,4 @@
-"""Adaptive transparency against its own model, its bounds, and the exact truth."""
+"""Adaptive transparency against its model, its bounds and exact compositing."""
 
 from __future__ import annotations
 
@@ -12,7 +12,6 @@ from hypothesis import strategies as st
 
 from oitbench.gl.device import Device
 from oitbench.gl.frame import Image
-from oitbench.measure import accounting
 from oitbench.measure.oracle import composite, transmittances
 from oitbench.scene import Floats, FragmentLists
 from tests.helpers import (
@@ -21,6 +20,7 @@ from tests.helpers import (
     RED,
     WHITE,
     Layer,
+    bits_per_pixel,
     collection,
     opened,
     random_lists,
@@ -32,12 +32,12 @@ from tests.models import adaptive as model
 
 SIDE = 6
 ARITHMETIC = 2e-6
-"""Rounding of 32-bit floats over tens of layers of radiance up to one."""
+"""Rounding of 32-bit floats over tens of layers with radiance up to one."""
 MEMORIES = ("node=precise", "memory=fixed")
 
 
 def lists(seed: int, layers: int, side: int = SIDE) -> FragmentLists:
-    """Return colored layers at any distance, among them clear, faint, opaque and coplanar ones."""
+    """Return colored layers at random distances; some are clear, faint, opaque or coplanar."""
     random = np.random.default_rng(seed)
     shape = (layers, side, side)
     z = random.uniform(0.5, 20, shape)
@@ -60,7 +60,7 @@ def hair(side: int = 4, layers: int = 650) -> FragmentLists:
 
 
 def thinner(drawn: FragmentLists, times: float) -> FragmentLists:
-    """Return the same layers with so many times less coverage."""
+    """Return the same layers with their coverage divided by `times`."""
     return replace(drawn, coverage=drawn.coverage / np.float32(times))
 
 
@@ -92,7 +92,7 @@ def expected(
 def assert_agrees(
     found: Image, truth: tuple[Floats, npt.NDArray[np.bool_]], allowed: float
 ) -> None:
-    """Compare wherever single precision cannot have removed another node: nearly everywhere."""
+    """Compare pixels except the few in which rounding can change the removed node."""
     picture, close = truth
     assert close.mean() < 0.1
     np.testing.assert_allclose(found[~close], picture[~close], rtol=0, atol=allowed)
@@ -125,14 +125,14 @@ def test_packed_nodes_follow_the_model_with_its_quantization(
     drawn = lists(3, 40)
     found = render(device, drawn, f"adaptive[nodes={nodes},removal={removal},memory=fixed]")
     rounded, _ = expected(drawn, nodes, removal, packed=True)
-    # Where single precision meets half a step from the other side, a node is a step off.
+    # Near half a step, single precision may round a node to the other step.
     assert np.quantile(abs(found - rounded), 0.97) <= ARITHMETIC
     assert abs(found - rounded).max() <= 2 / 255
     assert abs(rounded - expected(drawn, nodes, removal)[0]).max() > 1 / 255
 
 
 @pytest.mark.parametrize("channels", ["gray", "rgb"])
-def test_packed_records_follow_the_model_of_what_they_hold(device: Device, channels: str) -> None:
+def test_packed_records_follow_the_model_of_rounded_layers(device: Device, channels: str) -> None:
     drawn = lists(4, 20)
     factors = transmittances(drawn)
     opacity = np.round((1 - factors.mean(axis=-1, keepdims=True)) * 255) / 255
@@ -144,7 +144,7 @@ def test_packed_records_follow_the_model_of_what_they_hold(device: Device, chann
 
 
 @pytest.mark.parametrize("memory", MEMORIES)
-def test_window_depth_measures_other_areas(device: Device, memory: str) -> None:
+def test_window_depth_changes_the_removed_nodes(device: Device, memory: str) -> None:
     drawn = lists(5, 12)
     camera = scene_of(drawn).camera
     window = (1 - camera.near / drawn.z.astype(np.float64)) / (1 - camera.near / camera.far)
@@ -156,7 +156,9 @@ def test_window_depth_measures_other_areas(device: Device, memory: str) -> None:
 
 @pytest.mark.parametrize("removal", ["under", "over", "best"])
 @pytest.mark.parametrize("nodes", [2, 8, 16])
-def test_both_memories_give_one_picture(device: Device, nodes: int, removal: str) -> None:
+def test_lists_and_fixed_memory_give_the_same_picture(
+    device: Device, nodes: int, removal: str
+) -> None:
     drawn = lists(6, 40)
     name = f"adaptive[nodes={nodes},removal={removal}"
     pictures = [render(device, drawn, f"{name},{memory}]") for memory in MEMORIES]
@@ -165,7 +167,7 @@ def test_both_memories_give_one_picture(device: Device, nodes: int, removal: str
 
 @pytest.mark.parametrize("mechanism", ["framebuffer fetch", "spin lock"])
 @pytest.mark.parametrize("nodes", [7, 18])
-def test_every_way_of_programmable_blending_gives_one_picture(
+def test_all_mechanisms_of_programmable_blending_give_the_same_picture(
     device: Device, nodes: int, mechanism: str
 ) -> None:
     drawn = lists(7, 30)
@@ -176,7 +178,7 @@ def test_every_way_of_programmable_blending_gives_one_picture(
 
 @pytest.mark.parametrize("memory", MEMORIES)
 @pytest.mark.parametrize("removal", ["under", "over", "best"])
-def test_as_many_nodes_as_layers_are_exact(device: Device, removal: str, memory: str) -> None:
+def test_a_node_for_each_layer_is_exact(device: Device, removal: str, memory: str) -> None:
     drawn = random_lists(12, tinted=True, side=SIDE)
     name = f"adaptive[nodes=12,removal={removal},channels=rgb,{memory}]"
     found = render(device, drawn, name)
@@ -185,7 +187,7 @@ def test_as_many_nodes_as_layers_are_exact(device: Device, removal: str, memory:
 
 @pytest.mark.parametrize("memory", MEMORIES)
 @pytest.mark.parametrize(("nodes", "removal"), [(2, "under"), (2, "over"), (16, "best")])
-def test_total_transmittance_is_exact_however_few_the_nodes(
+def test_total_transmittance_is_exact_for_any_number_of_nodes(
     device: Device, nodes: int, removal: str, memory: str
 ) -> None:
     faint = black(thinner(hair(), 100))
@@ -196,7 +198,7 @@ def test_total_transmittance_is_exact_however_few_the_nodes(
 
 
 def visibility(device: Device, dark: FragmentLists, name: str) -> Image:
-    """Return the visibility that each row's clear, shining probe meets, shape (h, w)."""
+    """Return the visibility of a clear probe in each row, shape (h, w); depth grows by row."""
     shape = dark.z.shape[1:]
     probe = np.linspace(0.4, 21.0, shape[0], dtype=np.float32)[:, None]
     shown = FragmentLists(
@@ -212,7 +214,7 @@ def visibility(device: Device, dark: FragmentLists, name: str) -> Image:
 @pytest.mark.parametrize("memory", MEMORIES)
 def test_visibility_lies_between_under_and_over(device: Device, nodes: int, memory: str) -> None:
     one = thinner(lists(8, 30, side=1), 2)
-    # The same list in every pixel, so that a column is one curve.
+    # All pixels have the same list, so a column is one curve.
     dark = FragmentLists(
         *(
             np.broadcast_to(value, (len(value), 64, 1, *value.shape[3:])).copy()
@@ -238,7 +240,7 @@ def error(device: Device, drawn: FragmentLists, name: str) -> float:
 
 
 @pytest.mark.parametrize("removal", ["under", "over", "best"])
-def test_error_falls_with_nodes_on_hair(device: Device, removal: str) -> None:
+def test_more_nodes_reduce_the_error_on_hair(device: Device, removal: str) -> None:
     name = f"removal={removal},node=precise"
     errors = [
         error(device, hair(), f"adaptive[nodes={nodes},{name}]") for nodes in (2, 4, 8, 16, 32)
@@ -247,7 +249,7 @@ def test_error_falls_with_nodes_on_hair(device: Device, removal: str) -> None:
     assert errors[-1] < 0.01 < 0.1 < errors[0]
 
 
-def test_few_nodes_beat_maps_of_equal_or_larger_memory_on_hair(device: Device) -> None:
+def test_nodes_err_less_than_maps_of_at_least_equal_memory_on_hair(device: Device) -> None:
     drawn = hair()
     adaptive = error(device, drawn, "adaptive[nodes=16,memory=fixed]")
     for other in (
@@ -259,23 +261,23 @@ def test_few_nodes_beat_maps_of_equal_or_larger_memory_on_hair(device: Device) -
 
 
 def test_sixteen_samples_err_less_than_sixteen_nodes_on_this_hair(device: Device) -> None:
-    # Against the paper's ranking: on these lists the loss of energy outweighs sampling noise.
+    # Contrary to the paper's ranking: on these lists the loss of light exceeds sampling noise.
     drawn = hair(16)
     nodes = error(device, drawn, "adaptive[nodes=16,memory=fixed]")
     assert error(device, drawn, "stochastic[samples=16]") < nodes
-    # With twice the nodes, at no more memory than 64 samples, the order is the paper's.
+    # With twice the nodes, in no more memory than 64 samples, the ranking is that of the paper.
     more = error(device, drawn, "adaptive[nodes=32,node=precise]")
     assert more < error(device, drawn, "stochastic[samples=64]")
 
 
-def test_faint_even_layers_suit_maps_better(device: Device) -> None:
-    # What an underestimate costs: where no layer stands out, every removal darkens.
+def test_maps_err_less_on_faint_layers_of_similar_strength(device: Device) -> None:
+    # Every removal of a node underestimates visibility, and here no node is negligible.
     drawn = thinner(hair(), 15)
     adaptive = error(device, drawn, "adaptive[nodes=16,node=precise]")
     assert error(device, drawn, "opacity_map[node=precise]") < adaptive
 
 
-def test_order_matters_less_with_more_nodes(device: Device) -> None:
+def test_more_nodes_reduce_the_dependence_on_the_order(device: Device) -> None:
     spreads = []
     for nodes in (4, 8, 16):
         name = f"adaptive[nodes={nodes},node=precise]"
@@ -294,15 +296,15 @@ def test_coplanar_layers_do_not_hide_each_other(device: Device) -> None:
     np.testing.assert_allclose(found[0, 0], [1.0, 0.5, 0.5], atol=1e-6)
 
 
-def test_many_packed_nodes_are_worse_than_few_floats_on_hair(device: Device) -> None:
-    # Eight bits round faint layers away at each insertion.
+def test_packed_nodes_err_more_than_half_as_many_float_nodes_on_hair(device: Device) -> None:
+    # At each insertion, eight bits round the effect of faint layers to zero.
     packed = error(device, hair(), "adaptive[nodes=32,memory=fixed]")
     assert packed > 3 * error(device, hair(), "adaptive[nodes=16,memory=fixed]")
 
 
 @pytest.mark.parametrize(("nodes", "removal"), [(25, "best"), (32, "under"), (32, "best")])
-def test_no_step_of_a_long_list_is_lost(device: Device, nodes: int, removal: str) -> None:
-    # A software renderer would stop if loops over nodes counted among a list's.
+def test_no_layer_of_a_long_list_is_lost(device: Device, nodes: int, removal: str) -> None:
+    # A software renderer ends loops after a number of iterations; those over nodes must not count.
     long = black(thinner(hair(1, 2000), 100))
     found = render(device, long, f"adaptive[nodes={nodes},removal={removal},node=precise]")
     np.testing.assert_allclose(found, composite(long, BACKGROUND), rtol=0, atol=1e-6)
@@ -319,6 +321,5 @@ def test_no_step_of_a_long_list_is_lost(device: Device, nodes: int, removal: str
         ("adaptive[nodes=8,memory=fixed,msaa=4]", 4 * 8 * 64),
     ],
 )
-def test_fixed_memory_is_so_many_bits_a_pixel(device: Device, name: str, bits: int) -> None:
-    with opened(device, scene_of(random_lists(1)), name) as frame:
-        assert accounting.memory(frame).bits_per_pixel == bits
+def test_fixed_memory_depends_on_the_number_of_nodes(device: Device, name: str, bits: int) -> None:
+    assert bits_per_pixel(device, scene_of(random_lists(1)), name) == bits

@@ -1,4 +1,4 @@
-"""Methods that must agree do: sorted blending and the A-buffer, where sorting is enough."""
+"""Sorted blending equals the A-buffer in scenes that can be sorted."""
 
 from __future__ import annotations
 
@@ -31,25 +31,25 @@ def local_step(target: Target, image: Floats) -> Floats:
 
 @pytest.mark.parametrize("name", SORTED)
 @pytest.mark.parametrize("scene", SCENES)
-def test_sorted_blending_agrees_with_the_a_buffer(device: Device, scene: str, name: str) -> None:
+def test_sorted_blending_equals_the_a_buffer(device: Device, scene: str, name: str) -> None:
     built = collection().build_scene(scene)
     exact = render(device, built, "a_buffer", size=SIZE).astype(np.float64)
     found = render(device, built, name, size=SIZE)
     color = full_plan(method(name)).targets.get("color", Target("rgba16f"))
-    # Two steps for each time that the geometry is blended, one for the opaque picture.
+    # Two steps for each blended pass of the geometry, one for the opaque picture.
     steps = 2 * len(list(all_passes(method(name)))) + 1
     assert (abs(found - exact) <= steps * local_step(color, exact)).all()
 
 
 @pytest.mark.parametrize("scene", SCENES)
-def test_both_resolves_agree(device: Device, scene: str) -> None:
+def test_both_resolves_of_the_a_buffer_are_equal(device: Device, scene: str) -> None:
     built = collection().build_scene(scene)
     exact = render(device, built, "a_buffer", size=SIZE)
     found = render(device, built, "a_buffer[resolve=iterative]", size=SIZE)
     np.testing.assert_allclose(found, exact, rtol=1e-6, atol=1e-6)
 
 
-def test_blending_without_a_sort_does_not_agree(device: Device) -> None:
+def test_unsorted_blending_differs_from_the_a_buffer(device: Device) -> None:
     built = collection().build_scene("layer_stack")
     exact = render(device, built, "a_buffer", size=SIZE)
     assert abs(render(device, built, "alpha_blend", size=SIZE) - exact).max() > 0.05

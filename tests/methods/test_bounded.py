@@ -1,4 +1,4 @@
-"""Methods with k nodes a pixel: their models, both ways of blending, and what they lose."""
+"""Methods with k nodes per pixel against their models, in both ways of blending."""
 
 from __future__ import annotations
 
@@ -13,7 +13,6 @@ from hypothesis import strategies as st
 
 from oitbench.errors import CapabilityError
 from oitbench.gl.device import Device
-from oitbench.measure import accounting
 from oitbench.measure.oracle import composite, transmittances
 from oitbench.method.kits.bounded_nodes import STEPS
 from oitbench.scene import Floats, FragmentLists
@@ -25,6 +24,8 @@ from tests.helpers import (
     RED,
     WHITE,
     Layer,
+    assert_order_independent,
+    bits_per_pixel,
     keeps_promises,
     method,
     opened,
@@ -55,12 +56,12 @@ VARIANTS = [
     if name != "hybrid" or (k < 16 and node != "32f")
 ]
 LOCK, FILL_COUNT = 32, 32
-"""Bits a pixel of the spin lock, and of the count of nodes that published k+-buffers keep."""
+"""Bits per pixel of the spin lock, and of the node count of the published k+-buffer."""
 
 
 @dataclass(frozen=True)
 class Shown:
-    """Lists that a failing test tells of in few words."""
+    """Lists with a short representation for failing tests."""
 
     lists: FragmentLists
 
@@ -69,7 +70,7 @@ class Shown:
 
 
 def mixed(count: int, seed: int, tinted: bool, ties: bool, gaps: bool) -> FragmentLists:
-    """Return lists whose order differs from pixel to pixel, some with ties, some with gaps."""
+    """Return lists with a different order in each pixel, optionally with ties or missing layers."""
     lists = random_lists(count, tinted=tinted, seed=seed)
     random = np.random.default_rng(seed)
     z = random.permuted(lists.z, axis=0)
@@ -90,20 +91,22 @@ drawn = st.builds(
 
 @settings(max_examples=40, deadline=None, derandomize=True)
 @given(shown=drawn, variant=st.sampled_from(VARIANTS))
-def test_the_picture_is_the_models(device: Device, shown: Shown, variant: str) -> None:
+def test_pictures_follow_the_model(device: Device, shown: Shown, variant: str) -> None:
     chosen = method(variant)
     k, node = int(chosen.values["k"]), str(chosen.values["node"])
     expected = MODELS[chosen.name](shown.lists, BACKGROUND, k, node)
     error = abs(render(device, shown.lists, variant) - expected)
-    # Half floats round the background, its product and the sum. Where single precision meets the
-    # middle of two steps of a node, it may take the other one.
+    # Half floats round the background, its product and the sum. Near half a step of a node, single
+    # precision may round to the other step.
     allowed = 2e-6 if node == "32f" else 3 * 2.0**-11
     assert (error <= allowed).mean() > 0.99
     assert error.max() <= allowed + 2 * STEPS[node]
 
 
 @pytest.mark.parametrize("variant", VARIANTS)
-def test_a_spin_lock_gives_the_same_picture(device: Device, variant: str) -> None:
+def test_a_spin_lock_gives_the_same_picture_as_framebuffer_fetch(
+    device: Device, variant: str
+) -> None:
     lists = random_lists(20, tinted=True)
     fetched = render(device, lists, variant, mechanism="framebuffer fetch")
     locked = render(device, lists, variant, mechanism="spin lock")
@@ -115,34 +118,33 @@ def test_up_to_k_layers_are_exact_in_any_order(device: Device, variant: str) -> 
     chosen = method(variant)
     count = int(chosen.values["k"])
     lists = random_lists(count)
-    first = render(device, lists, variant)
-    assert abs(first - composite(lists, BACKGROUND)).max() <= tolerance(chosen, count, 1.0)
-    for seed in range(3):
-        np.testing.assert_array_equal(render(device, lists, variant, permutation=seed), first)
+    with opened(device, scene_of(lists), variant) as frame:
+        assert_order_independent(frame, 3)
+        error = abs(frame.image() - composite(lists, BACKGROUND))
+        assert error.max() <= tolerance(chosen, count, 1.0)
 
 
 @pytest.mark.parametrize("variant", ["k_buffer[k=4]", "k_buffer[k=8,node=16f]"])
-def test_a_k_buffer_shows_the_nearest_whatever_the_order(device: Device, variant: str) -> None:
+def test_a_k_buffer_shows_the_nearest_layers_in_any_order(device: Device, variant: str) -> None:
     chosen, lists = method(variant), random_lists(30)
     k = int(chosen.values["k"])
     rank = lists.z.argsort(axis=0).argsort(axis=0)
     nearest = replace(lists, coverage=np.where(rank < k, lists.coverage, 0))
-    first = render(device, lists, variant)
     expected = composite(nearest, BACKGROUND)
-    assert abs(first - expected).max() <= tolerance(chosen, k, 1.0)
     assert abs(expected - composite(lists, BACKGROUND)).max() > 0.01
-    for seed in range(5):
-        np.testing.assert_array_equal(render(device, lists, variant, permutation=seed), first)
+    with opened(device, scene_of(lists), variant) as frame:
+        assert_order_independent(frame, 5)
+        assert abs(frame.image() - expected).max() <= tolerance(chosen, k, 1.0)
 
 
 @pytest.mark.parametrize("variant", ["hybrid", "hybrid[k=2,node=16f]"])
-def test_the_order_of_draws_moves_a_tail_by_rounding_alone(device: Device, variant: str) -> None:
+def test_the_order_changes_a_tail_by_at_most_its_rounding(device: Device, variant: str) -> None:
     lists = random_lists(30)
     pictures = [render(device, lists, variant, permutation=seed) for seed in range(5)]
     assert np.ptp(pictures, axis=0).max() <= rounding(method(variant), 30, 0.1)
 
 
-def test_few_nodes_keep_their_promises(device: Device) -> None:
+def test_variants_with_few_nodes_keep_their_promises(device: Device) -> None:
     keeps_promises(
         device,
         "k_buffer[k=1]",
@@ -160,7 +162,7 @@ def spread(device: Device, lists: FragmentLists, variant: str) -> float:
     return float(np.ptp(pictures, axis=0).mean())
 
 
-def test_merging_depends_on_the_order_of_draws_less_with_more_nodes(device: Device) -> None:
+def test_more_nodes_reduce_the_dependence_of_merging_on_the_order(device: Device) -> None:
     lists = random_lists(24)
     found = [spread(device, lists, f"multilayer_alpha[k={k},node=8-bit]") for k in (2, 4, 8, 16)]
     assert found == sorted(found, reverse=True)
@@ -169,7 +171,7 @@ def test_merging_depends_on_the_order_of_draws_less_with_more_nodes(device: Devi
 
 
 @pytest.mark.parametrize(("node", "allowed"), [("32f", 1e-6), ("16f", 2e-3), ("8-bit", 8e-3)])
-def test_a_late_arrival_is_behind_what_it_should_hide(
+def test_a_layer_that_is_merged_late_does_not_hide_farther_layers(
     device: Device, node: str, allowed: float
 ) -> None:
     variant = f"multilayer_alpha[k=2,node={node}]"
@@ -185,7 +187,7 @@ def test_a_late_arrival_is_behind_what_it_should_hide(
         assert found == pytest.approx(expected, abs=allowed + 5e-4)
 
 
-def test_an_opaque_layer_may_leak_what_was_merged_before_it(device: Device) -> None:
+def test_a_merged_layer_shows_through_a_nearer_opaque_one(device: Device) -> None:
     layers = [
         Layer(1.0, 0.5, NOTHING),
         Layer(10.0, 0.5, WHITE),
@@ -215,7 +217,7 @@ def test_the_total_transmittance_of_merged_layers_is_exact(device: Device, k: in
 
 
 @pytest.mark.parametrize("k", [2, 4])
-def test_merging_keeps_furnaces_white_and_copies_alike(device: Device, k: int) -> None:
+def test_merging_is_exact_for_white_furnaces_and_for_copies(device: Device, k: int) -> None:
     variant = f"multilayer_alpha[k={k},node=32f]"
     lists = random_lists(20)
     white = replace(lists, radiance=np.ones_like(lists.radiance))
@@ -228,7 +230,7 @@ def test_merging_keeps_furnaces_white_and_copies_alike(device: Device, k: int) -
 @pytest.mark.parametrize(
     ("node", "total"), [("8-bit", (0.49, 0.49)), ("16f", (0.547, 0.549)), ("32f", (0.548, 0.5484))]
 )
-def test_merging_two_hundred_thin_layers_wears_bytes_out(
+def test_merging_two_hundred_faint_layers_is_inaccurate_in_bytes(
     device: Device, node: str, total: tuple[float, float], far_first: bool
 ) -> None:
     layers = [Layer(float(z), 0.003, NOTHING) for z in np.linspace(2, 9, 200)]
@@ -241,14 +243,14 @@ def test_merging_two_hundred_thin_layers_wears_bytes_out(
     assert total[0] - 5e-3 <= found <= total[1] + 5e-3
 
 
-def test_bytes_lose_layers_below_half_a_step(device: Device) -> None:
+def test_layers_below_half_a_step_of_a_byte_are_lost(device: Device) -> None:
     thin = stack([Layer(2.0, 0.9 / 510, WHITE)])
     for name in MODELS:
         assert not render(device, scene_of(thin, NOTHING), f"{name}[k=4,node=8-bit]").any()
         assert render(device, scene_of(thin, NOTHING), f"{name}[k=4,node=16f]").all()
 
 
-def test_a_tail_transmits_too_much(device: Device) -> None:
+def test_the_tail_of_hybrid_transparency_transmits_too_much(device: Device) -> None:
     layers = [Layer(1.0, 0.5, NOTHING), Layer(2.0, 0.5, NOTHING)]
     tail = [Layer(3.0, 0.8, NOTHING), Layer(4.0, 0.2, NOTHING)]
     found = render(device, scene_of(stack([*tail, *layers]), WHITE), "hybrid[k=2,node=16f]")[0, 0]
@@ -257,12 +259,11 @@ def test_a_tail_transmits_too_much(device: Device) -> None:
 
 
 def bits(device: Device, variant: str, mechanism: str) -> float:
-    with opened(device, scene_of(random_lists(1)), variant, mechanism=mechanism) as frame:
-        return float(accounting.memory(frame).bits_per_pixel)
+    return bits_per_pixel(device, scene_of(random_lists(1)), variant, mechanism=mechanism)
 
 
 @pytest.mark.parametrize("variant", VARIANTS)
-def test_memory_is_a_depth_and_a_color_a_node(device: Device, variant: str) -> None:
+def test_each_node_has_a_depth_and_a_color(device: Device, variant: str) -> None:
     chosen = method(variant)
     color = {"8-bit": 32, "16f": 64, "32f": 128}[str(chosen.values["node"])]
     tail = 64 + 16 if chosen.name == "hybrid" else 0
@@ -271,8 +272,8 @@ def test_memory_is_a_depth_and_a_color_a_node(device: Device, variant: str) -> N
     assert bits(device, variant, "spin lock") == expected + LOCK
 
 
-def test_published_bits_a_pixel(device: Device) -> None:
-    # McGuire & Mara 2017, section 8.1: 256 for multi-layer alpha, 128 to 320 for the k+-buffer.
+def test_pixels_have_the_published_bits(device: Device) -> None:
+    """McGuire & Mara 2017, section 8.1: 256 for multi-layer alpha, 128 to 320 for the k+-buffer."""
     assert bits(device, "multilayer_alpha[k=4]", "framebuffer fetch") == 256
     published = [bits(device, f"k_buffer[k={k}]", "spin lock") + FILL_COUNT for k in (1, 4)]
     assert published == [128, 320]

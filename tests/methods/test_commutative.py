@@ -1,4 +1,4 @@
-"""Sums, means and weighted means of all layers against their formulas, and what precision does."""
+"""Sums, means and weighted means of all layers against their formulas."""
 
 from __future__ import annotations
 
@@ -9,7 +9,6 @@ from hypothesis import strategies as st
 
 from oitbench.gl.device import Device
 from oitbench.gl.frame import Image
-from oitbench.measure import accounting
 from oitbench.measure.oracle import composite
 from oitbench.modeling.mesh import quad
 from oitbench.scene import Camera, Floats, FragmentLists, Material, Object, Scene
@@ -21,8 +20,8 @@ from tests.helpers import (
     RED,
     WHITE,
     Layer,
+    bits_per_pixel,
     method,
-    opened,
     random_lists,
     render,
     scene_of,
@@ -31,7 +30,7 @@ from tests.helpers import (
 from tests.models import commutative as model
 
 STEP = {"paper": 2.0**-10, "half": 2.0**-10, "float": 2.0**-22}
-"""Twice the largest relative error of one number, which drivers may truncate."""
+"""Twice the largest relative rounding error of a number; drivers may truncate."""
 lists_drawn = st.builds(
     random_lists, st.integers(1, 16), tinted=st.booleans(), seed=st.integers(0, 2**32 - 1)
 )
@@ -45,26 +44,26 @@ def close(found: Image, expected: Floats, allowed: float | Floats) -> None:
 
 @drawn
 @given(lists=lists_drawn, clamp=st.booleans(), precision=precisions)
-def test_weighted_sum_is_its_formula(
+def test_weighted_sum_equals_its_formula(
     device: Device, lists: FragmentLists, clamp: bool, precision: str
 ) -> None:
     name = f"weighted_sum[clamp={str(clamp).lower()},precision={precision}]"
     expected = model.weighted_sum(lists, BACKGROUND, clamp)
-    # A sum's steps grow with it: n steps of what is at most n, and one of the background's weight.
+    # n + 2 rounded additions of terms whose sum is at most n + 1.
     count = len(lists.z)
     close(render(device, lists, name), expected, STEP[precision] * (count + 2) * (count + 1))
 
 
 @drawn
 @given(lists=lists_drawn, count=st.sampled_from(["r16f", "r32f"]), precision=precisions)
-def test_weighted_average_is_its_formula(
+def test_weighted_average_equals_its_formula(
     device: Device, lists: FragmentLists, count: str, precision: str
 ) -> None:
     name = f"weighted_average[count={count},precision={precision}]"
     expected = model.weighted_average(lists, BACKGROUND)
     number, relative = len(lists.z), STEP[precision]
     total = model.layers_of(lists)[1].sum(axis=0)
-    # A quotient of sums; and n layers that each pass 1 - o, with o off by n steps of o n, over n.
+    # The errors of a quotient of two sums, and of (1 - o)^n where the mean opacity o is a sum too.
     passed = number * (1 - total / number) ** (number - 1) * total * relative
     arithmetic = number * 2.0**-18
     close(
@@ -80,7 +79,7 @@ def test_weighted_average_is_its_formula(
     equation=st.sampled_from([7, 8, 9, 10]),
     precision=st.sampled_from(["paper", "half", "float"]),
 )
-def test_weighted_blending_is_its_formula(
+def test_weighted_blending_equals_its_formula(
     device: Device, lists: FragmentLists, equation: int, precision: str
 ) -> None:
     name = f"weighted_blended[weight={equation},precision={precision}]"
@@ -91,14 +90,14 @@ def test_weighted_blending_is_its_formula(
     close(render(device, lists, name), expected, allowed)
 
 
-def test_weighted_sums_of_opaque_layers_turn_the_background_negative(device: Device) -> None:
+def test_weighted_sums_of_opaque_layers_are_negative_unless_clamped(device: Device) -> None:
     lists = scene_of(stack([Layer(1.0, 1.0, NOTHING), Layer(2.0, 0.5, NOTHING)]), WHITE)
     assert render(device, lists, "weighted_sum")[0, 0] == pytest.approx([-0.5] * 3)
     assert render(device, lists, "weighted_sum[clamp=true]")[0, 0] == pytest.approx([0.0] * 3)
 
 
 @pytest.mark.parametrize("name", ["weighted_sum", "weighted_average"])
-def test_methods_without_depth_cannot_tell_near_from_far(device: Device, name: str) -> None:
+def test_methods_without_depth_ignore_the_distance(device: Device, name: str) -> None:
     near, far = Layer(2.0, 0.5, RED), Layer(4.0, 0.3, BLUE)
     swapped = [Layer(4.0, 0.5, RED), Layer(2.0, 0.3, BLUE)]
     before, after = (render(device, stack(layers), name) for layers in ([near, far], swapped))
@@ -106,7 +105,7 @@ def test_methods_without_depth_cannot_tell_near_from_far(device: Device, name: s
     assert "two_layers_ordered" not in method(name).promised
 
 
-def test_a_mean_opacity_never_hides_more_than_the_product(device: Device) -> None:
+def test_the_weighted_average_transmits_at_least_the_exact_light(device: Device) -> None:
     lists = random_lists(8)
     black = FragmentLists(
         lists.z, lists.coverage, np.zeros_like(lists.radiance), lists.transmission
@@ -118,13 +117,13 @@ def test_a_mean_opacity_never_hides_more_than_the_product(device: Device) -> Non
 
 
 @pytest.mark.parametrize("name", ["weighted_sum", "weighted_average"])
-def test_a_highlight_on_clear_glass_stays(device: Device, name: str) -> None:
+def test_clear_glass_keeps_its_highlight(device: Device, name: str) -> None:
     clear = [Layer(2.0, 1.0, (0.5, 0.25, 2.0), WHITE), Layer(3.0, 1.0, NOTHING, WHITE)]
     found = render(device, scene_of(stack(clear), GREEN), name)
     assert found[0, 0] == pytest.approx([0.5, 1.25, 2.0])
 
 
-def test_clear_layers_do_not_thin_out_the_mean(device: Device) -> None:
+def test_clear_layers_do_not_change_the_mean(device: Device) -> None:
     some = [Layer(2.0, 0.5, RED), Layer(4.0, 0.5, GREEN)]
     glass = [Layer(z, 1.0, NOTHING, WHITE) for z in (1.0, 3.0, 5.0)]
     found = render(device, stack([*some, *glass]), "weighted_average")
@@ -148,12 +147,11 @@ def test_clear_layers_do_not_thin_out_the_mean(device: Device) -> None:
         ("depth_peeling[precision=float]", 8 * 72),
     ],
 )
-def test_memory_follows_from_the_formats(device: Device, name: str, bits: int) -> None:
-    with opened(device, scene_of(random_lists(1)), name) as frame:
-        assert accounting.memory(frame).bits_per_pixel == bits
+def test_memory_depends_on_the_formats(device: Device, name: str, bits: int) -> None:
+    assert bits_per_pixel(device, scene_of(random_lists(1)), name) == bits
 
 
-def test_several_samples_average_what_each_pixel_covers(device: Device) -> None:
+def test_four_samples_antialias_edges(device: Device) -> None:
     half = quad((0, 0, -4), (0.9, 0.3, 0), (-0.3, 0.9, 0))
     pane = Object("pane", half, Material(0.5, emission=RED))
     scene = Scene("edges", Camera((0, 0, 0), (0, 0, -1)), (pane,), background=BLUE)
@@ -164,12 +162,14 @@ def test_several_samples_average_what_each_pixel_covers(device: Device) -> None:
         for n in (1, 4)
     )
     assert four.mean() < 0.6 * one.mean()
-    # A sample of four stands for four of the sixteen.
+    # Each of four samples replaces four of the sixteen.
     assert four.max() <= 0.5 * 3 / 16 + 0.01
 
 
 @pytest.mark.parametrize("equation", [7, 10])
-def test_several_samples_of_whole_pixels_are_one(device: Device, equation: int) -> None:
+def test_four_samples_do_not_change_pixels_that_are_covered_completely(
+    device: Device, equation: int
+) -> None:
     lists = random_lists(5)
     one, four = (
         render(device, lists, f"weighted_blended[weight={equation},msaa={n}]") for n in (1, 4)

@@ -1,4 +1,4 @@
-"""The suite's exact truth against double precision, whatever the lists, the draws or the memory."""
+"""The A-buffer against double precision, for any lists, order of draws and memory."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ from tests.helpers import (
     BLUE,
     RED,
     Layer,
+    assert_order_independent,
     collection,
     opened,
     random_lists,
@@ -36,10 +37,10 @@ def error(device: Device, scene: Scene, lists: FragmentLists, name: str) -> floa
 
 
 def compact_bound(lists: FragmentLists, background: Floats) -> Floats:
-    """Return how far packed records may be off, shape (h, w, 3).
+    """Return the largest error of packed records, shape (h, w, 3).
 
-    Composited from far to near, C <- c + (1 - o) C. With c and o each off by half a step h = 1/510,
-    the error E follows E <- h + h C + (1 - o + h) E. In the end the picture is rounded to 16 bits.
+    Compositing from far to near is C <- c + (1 - o) C. With errors of half a step h = 1/510 in c
+    and o, the error E is at most E <- h + h C + (1 - o + h) E. The picture is rounded to 16 bits.
     """
     half = 1 / 510
     order = np.argsort(-lists.z, axis=0, kind="stable")
@@ -52,73 +53,75 @@ def compact_bound(lists: FragmentLists, background: Floats) -> Floats:
     return np.asarray(error + 2.0**-10 * (color + error + 1))
 
 
-@pytest.mark.parametrize("resolve", RESOLVES)
-def test_every_one_of_65536_random_lists_is_right(device: Device, resolve: str) -> None:
+def test_each_of_65536_random_lists_is_exact(device: Device) -> None:
     scene, lists = lists_scene("layers=64,tinted=true")
     assert lists.z[0].size == 65536
-    assert error(device, scene, lists, f"a_buffer[resolve={resolve}]") <= 2e-5
+    expected = composite(lists, scene.background)
+    for resolve in RESOLVES:
+        found = render(device, scene, f"a_buffer[resolve={resolve}]")
+        assert abs(found - expected).max() <= 2e-5
 
 
 @pytest.mark.parametrize("resolve", RESOLVES)
 @pytest.mark.parametrize("body", ["tinted=true", "hdr=true,tinted=true", "ties=true,tinted=true"])
-def test_colors_bright_lights_and_ties_are_right(device: Device, resolve: str, body: str) -> None:
+def test_tints_high_dynamic_range_and_ties_are_exact(
+    device: Device, resolve: str, body: str
+) -> None:
     scene, lists = lists_scene(f"width=64,height=64,layers=24,{body}")
     brightest = float(lists.radiance.max())
     assert error(device, scene, lists, f"a_buffer[resolve={resolve}]") <= 2e-6 * max(1, brightest)
 
 
 @pytest.mark.parametrize("resolve", RESOLVES)
-def test_seven_hundred_layers_a_pixel_are_right(device: Device, resolve: str) -> None:
+def test_700_layers_per_pixel_are_exact(device: Device, resolve: str) -> None:
     side = "width=16,height=16" if resolve == "sorted" else "width=8,height=8"
     scene, lists = lists_scene(f"{side},layers=700,alpha_low=0.001,alpha_high=0.02,tinted=true")
     assert error(device, scene, lists, f"a_buffer[resolve={resolve}]") <= 2e-5
 
 
 @pytest.mark.parametrize("layers", [1, 31, 32, 33, 64, 65])
-def test_lists_that_just_fill_a_batch_are_right(device: Device, layers: int) -> None:
+def test_lists_around_the_size_of_a_batch_are_exact(device: Device, layers: int) -> None:
     lists = random_lists(layers, tinted=True)
     assert error(device, scene_of(lists), lists, "a_buffer") <= 2e-6
 
 
 @pytest.mark.parametrize("copies", [2, 33, 70])
-def test_copies_of_one_layer_all_count(device: Device, copies: int) -> None:
+def test_all_copies_of_a_layer_are_composited(device: Device, copies: int) -> None:
     lists = stack([Layer(2.0, 0.03, RED)] * copies + [Layer(3.0, 0.5, BLUE)], side=4)
     for resolve in RESOLVES:
         assert error(device, scene_of(lists), lists, f"a_buffer[resolve={resolve}]") <= 2e-6
 
 
 @pytest.mark.parametrize("resolve", RESOLVES)
-def test_packed_records_stay_within_their_quantization(device: Device, resolve: str) -> None:
+def test_the_error_of_packed_records_is_within_its_bound(device: Device, resolve: str) -> None:
     scene, lists = lists_scene("width=64,height=64,layers=24")
     found = render(device, scene, f"a_buffer[node=compact,resolve={resolve}]")
     expected = composite(lists, scene.background)
     bound = compact_bound(lists, np.asarray(scene.background))
     assert (abs(found - expected) <= bound).all()
-    # The bound is no free pass, and there is something to bound.
+    # The bound is small, and the error is not zero.
     assert bound.max() < 0.06
     assert abs(found - expected).max() > 1e-3
 
 
 @pytest.mark.parametrize("body", ["ties=true,layers=20", "layers=40"])
 @pytest.mark.parametrize("node", ["precise", "compact"])
-def test_ten_orders_of_the_draws_give_one_picture(device: Device, node: str, body: str) -> None:
+def test_ten_orders_of_the_draws_give_the_same_picture(
+    device: Device, node: str, body: str
+) -> None:
     scene, _ = lists_scene(f"width=48,height=48,tinted=true,{body}")
     with opened(device, scene, f"a_buffer[node={node}]") as frame:
-        frame.render()
-        first = frame.image()
-        for seed in range(10):
-            frame.render(permutation=seed)
-            np.testing.assert_array_equal(frame.image(), first)
+        assert_order_independent(frame, 10)
 
 
-def test_permutations_do_shuffle_the_draws(device: Device) -> None:
+def test_permutations_shuffle_the_draws(device: Device) -> None:
     scene, _ = lists_scene("width=8,height=8,layers=20")
     pictures = [render(device, scene, "alpha_blend", permutation=seed) for seed in (1, 2)]
     assert abs(pictures[0] - pictures[1]).max() > 0.1
 
 
 @pytest.mark.parametrize("name", ["a_buffer", "a_buffer[resolve=iterative]"])
-def test_a_frame_in_several_regions_is_the_same_frame(device: Device, name: str) -> None:
+def test_a_frame_in_several_regions_is_the_same(device: Device, name: str) -> None:
     scene, _ = lists_scene("width=200,height=130,layers=4,tinted=true")
     whole = render(device, scene, name)
     # One tile of 64 × 64 pixels has 16384 fragments, each with a vec4.
@@ -126,46 +129,46 @@ def test_a_frame_in_several_regions_is_the_same_frame(device: Device, name: str)
         assert len(frame.resources.regions) > 4
         frame.render()
         np.testing.assert_array_equal(frame.image(), whole)
-        # Nor does it depend on the checks between regions, which a timed frame leaves out.
+        # A timed frame has no checks between regions, and is the same too.
         frame.issue()
         np.testing.assert_array_equal(frame.image(), whole)
 
 
-def test_a_tile_that_no_block_can_hold_is_refused(device: Device) -> None:
+def test_a_tile_that_does_not_fit_in_a_block_is_refused(device: Device) -> None:
     scene, _ = lists_scene("width=64,height=64,layers=4")
-    # Enough for a word a pixel, not for a vec4 a fragment.
+    # Enough for a word per pixel, but not for a vec4 per fragment.
     refused = pytest.raises(CapabilityError, match="in one 64×64 tile exceed the driver's limit")
     with refused, opened(device, scene, "a_buffer", block_limit=4 * 64 * 64):
         pass
 
 
-def starved(frame: Frame, records: int) -> None:
-    """Take away the frame's memory but for `records` in each tile."""
+def limit_memory(frame: Frame, records: int) -> None:
+    """Reduce the memory of the frame to `records` in each tile."""
     frame.resources.reserve(np.full(frame.resources.tiles, records, dtype=np.int64))
 
 
 @pytest.mark.parametrize("records", [0, 1, 12000])
 @pytest.mark.parametrize("block_limit", [None, 16 * 2 * 16384])
-def test_memory_that_runs_out_is_enlarged_and_the_frame_redone(
+def test_the_frame_is_repeated_with_more_memory_if_it_runs_out(
     device: Device, records: int, block_limit: int | None
 ) -> None:
     scene, lists = lists_scene("width=150,height=70,layers=4,tinted=true")
     with opened(device, scene, "a_buffer", block_limit=block_limit) as frame:
         frame.render()
-        starved(frame, records)
+        limit_memory(frame, records)
         frame.issue()
         assert abs(frame.image() - composite(lists, scene.background)).max() > 0.01
         frame.render()
         fragments = np.array([[16384, 16384, 5632], [1536, 1536, 528]])
         np.testing.assert_array_equal(frame.resources.demand, np.maximum(fragments, records))
         assert abs(frame.image() - composite(lists, scene.background)).max() <= 2e-6
-        # From then on the memory is enough.
+        # The memory is sufficient for the next frame.
         complete = frame.image()
         frame.issue()
         np.testing.assert_array_equal(frame.image(), complete)
 
 
-def test_hand_example_of_red_over_green_over_blue(device: Device) -> None:
+def test_two_layers_over_a_background_equal_a_hand_example(device: Device) -> None:
     lists = stack([Layer(2.0, 0.45, (0.0, 1.0, 0.0)), Layer(1.0, 0.45, RED)], side=4)
     found = render(device, scene_of(lists, BLUE), "a_buffer")
     assert found[0, 0] == pytest.approx([0.45, 0.2475, 0.3025], abs=1e-6)

@@ -24,20 +24,7 @@ from tests.helpers import (
     scene_of,
     stack,
 )
-
-NEAR = 0.1
-
-
-def weight(equation: int, z: float) -> float:
-    """Return McGuire & Bavoil 2013, equations 7 to 10, divided by the net opacity; z in meters."""
-    if equation == 10:
-        return max(1e-2, 3e3 * (NEAR / z) ** 3)
-    bare = {
-        7: 10 / (1e-5 + (z / 5) ** 2 + (z / 200) ** 6),
-        8: 10 / (1e-5 + (z / 10) ** 3 + (z / 200) ** 6),
-        9: 0.03 / (1e-5 + (z / 200) ** 4),
-    }[equation]
-    return min(max(bare, 1e-2), 3e3)
+from tests.models import commutative
 
 
 @pytest.mark.parametrize(
@@ -50,7 +37,7 @@ def test_weighted_blending_leaks_through_an_opaque_front(
     assert "opaque_front_hides" not in chosen.promised
     front, behind = Layer(1.0, 1.0, RED), Layer(2.0, 0.5, GREEN)
     red, green, blue = render(device, stack([front, behind]), chosen)[0, 0]
-    near, far = weight(equation, front.z), 0.5**2 * weight(equation, behind.z)
+    near, far = commutative.weight(equation, np.array([front.z, behind.z])) * (1, 0.5**2)
     leak = far / (near + far)
     assert green == pytest.approx(leak, rel=4e-3)
     assert green == pytest.approx(measured, abs=1e-3)
@@ -60,21 +47,15 @@ def test_weighted_blending_leaks_through_an_opaque_front(
 
 
 @pytest.mark.parametrize("equation", [7, 8, 9, 10])
-def test_weighted_blending_is_the_weighted_mean_of_its_formula(
-    device: Device, equation: int
-) -> None:
+def test_weighted_blending_equals_its_formula_to_rounding(device: Device, equation: int) -> None:
     chosen = method(f"weighted_blended[weight={equation}]")
     lists = random_lists(5)
-    o, factor = lists.coverage[..., None].astype(float), np.vectorize(weight)
-    w = o * factor(equation, lists.z.astype(float))[..., None]
-    mean = (w * o * lists.radiance).sum(axis=0) / (w * o).sum(axis=0)
-    passed = (1 - o).prod(axis=0)
-    expected = mean * (1 - passed) + np.asarray(BACKGROUND) * passed
+    expected = commutative.weighted_blended(lists, BACKGROUND, equation)
     found = render(device, lists, chosen)
     np.testing.assert_allclose(found, expected, rtol=0, atol=rounding(chosen, 5, 1.0))
 
 
-def test_alpha_blending_depends_on_the_order_of_draws(device: Device) -> None:
+def test_alpha_blending_depends_on_the_order_of_the_draws(device: Device) -> None:
     near, far = Layer(2.0, 0.5, RED), Layer(4.0, 0.5, BLUE)
     right = render(device, stack([far, near]), "alpha_blend")
     wrong = render(device, stack([near, far]), "alpha_blend")
@@ -83,19 +64,19 @@ def test_alpha_blending_depends_on_the_order_of_draws(device: Device) -> None:
 
 
 @pytest.mark.parametrize("name", ["alpha_blend", "weighted_blended", "a_buffer[node=compact]"])
-def test_scalar_methods_turn_colored_glass_grey(device: Device, name: str) -> None:
+def test_methods_of_one_channel_turn_colored_glass_gray(device: Device, name: str) -> None:
     glass = Layer(2.0, 1.0, NOTHING, transmission=(0.9, 0.6, 0.0))
     found = render(device, scene_of(stack([glass]), WHITE), name)
     assert "colored_layer_exact" not in method(name).promised
     assert found[0, 0] == pytest.approx([0.5, 0.5, 0.5], abs=4e-3)
 
 
-def test_a_packed_record_clips_what_is_brighter_than_one(device: Device) -> None:
+def test_packed_records_clip_radiance_above_one(device: Device) -> None:
     found = render(device, stack([Layer(2.0, 1.0, (4.0, 1.0, 0.0))]), "a_buffer[node=compact]")
     assert found[0, 0] == pytest.approx([1.0, 1.0, 0.0])
 
 
-def test_two_passes_by_object_leave_a_second_layer_unattenuated(device: Device) -> None:
+def test_two_passes_per_object_do_not_attenuate_its_second_layer(device: Device) -> None:
     front, back = (quad((0, 0, z), (9, 0, 0), (0, 9, 0)) for z in (-2.0, -3.0))
     both = Mesh(
         np.concatenate([front.positions, back.positions]),

@@ -1,4 +1,4 @@
-"""Fog marched in one pass over the screen: what planes would add, and closed forms."""
+"""Ray-marched fog against planes, closed forms and a model in double precision."""
 
 from __future__ import annotations
 
@@ -32,8 +32,8 @@ from oitbench.scene import (
 from tests.helpers import BACKGROUND, opened, render
 from tests.models import fog as model
 from tests.models import phenomenological
+from tests.models.view import rays
 
-Floats = Floats
 SIZE = (20, 14)
 STEPS = 8
 CAMERA = Camera((0, 0, 0), (0, 0, -1), fov_y=math.radians(40))
@@ -48,7 +48,7 @@ RAMP = sample_density(lambda p: 0.5 + 0.1 * p[..., 0] - 0.15 * p[..., 2], LOW, H
 
 
 def wall(z: float = 3.0, color: RGB = BACKGROUND) -> Object:
-    """Return a wall across the view that shines."""
+    """Return an emissive wall across the view."""
     return Object("wall", quad((0, 0, -z), (9, 0, 0), (0, 9, 0)), Material(emission=color))
 
 
@@ -58,13 +58,13 @@ def foggy(
     objects: tuple[Object, ...] = (),
     camera: Camera = CAMERA,
 ) -> Scene:
-    """Return a scene of fog before a wall, whose light throws no shadows."""
+    """Return fog in front of a wall that casts no shadow."""
     objects = (replace(wall(), casts=False), *objects)
     return Scene("fog", camera, objects, lights=lights, medium=medium)
 
 
 def targets(device: Device, scene: Scene, name: str = FLOAT, **options: Any) -> tuple[Any, Any]:
-    """Return what was gathered: sums, and products with variances."""
+    """Return the gathered targets: sums, and products with variances."""
     with opened(device, scene, name, SIZE, **options) as frame:
         frame.render()
         return frame.read("accum"), frame.read("beta")
@@ -86,7 +86,7 @@ def passed(scene: Scene) -> Floats:
 
 
 @pytest.mark.parametrize("g", [-0.7, 0.0, 0.3, 0.9])
-def test_the_phase_function_scatters_all_light(g: float) -> None:
+def test_the_phase_function_is_normalized(g: float) -> None:
     cosine, weight = np.polynomial.legendre.leggauss(200)
     total = 2 * np.pi * (weight * model.phase(cosine, g)).sum()
     assert total == pytest.approx(1, abs=1e-9)
@@ -95,10 +95,10 @@ def test_the_phase_function_scatters_all_light(g: float) -> None:
 
 
 @pytest.mark.parametrize(("beams", "bound"), [((), 1e-7), ((SUN,), 1e-7), ((LAMP,), 2e-6)])
-def test_the_march_equals_its_model(
+def test_the_march_follows_the_model(
     device: Device, beams: tuple[DirectionalLight | SpotLight, ...], bound: float
 ) -> None:
-    """Drivers know an arc cosine to about 1e-4 radians: the rim of a cone is as soft as that."""
+    """The bound is larger at the rim of a cone: arc cosines of drivers have errors of 1e-4."""
     medium = replace(FOG, density=RAMP)
     scene = foggy(medium, (*beams, EnvironmentLight(AMBIENT)))
     accum, beta = targets(device, scene)
@@ -119,7 +119,7 @@ def test_fog_equals_a_plane_for_each_step(device: Device) -> None:
 
 
 def test_fog_blurs_as_much_as_planes(device: Device) -> None:
-    """For a view so narrow that all rays run along the axis."""
+    """The view is so narrow that all rays are parallel to its axis."""
     medium = replace(FOG, collimation=0.3)
     scene = foggy(medium, (EnvironmentLight(AMBIENT),), camera=FAR_CAMERA)
     slices = model.march(FAR_CAMERA, medium, SIZE, STEPS, behind=3.0)
@@ -140,7 +140,7 @@ def test_fog_blurs_as_much_as_planes(device: Device) -> None:
 
 
 @pytest.mark.parametrize("steps", [1, 4, 32])
-def test_uniform_fog_has_its_closed_form(device: Device, steps: int) -> None:
+def test_uniform_fog_equals_its_closed_form(device: Device, steps: int) -> None:
     scene = foggy(lights=(EnvironmentLight(AMBIENT),))
     found = render(device, scene, f"phenomenological[precision=float,steps={steps}]", size=SIZE)
     left = passed(scene)[..., None]
@@ -149,24 +149,24 @@ def test_uniform_fog_has_its_closed_form(device: Device, steps: int) -> None:
     np.testing.assert_allclose(found, BACKGROUND * left + light * (1 - left), atol=1e-4)
 
 
-def test_half_precision_comes_close_to_the_closed_form(device: Device) -> None:
+def test_half_precision_is_close_to_the_closed_form(device: Device) -> None:
     scene = foggy(lights=(EnvironmentLight(AMBIENT),))
     left = passed(scene)[..., None]
     expected = BACKGROUND * left + np.multiply(FOG.albedo, AMBIENT) * (1 - left)
-    # 8 bits of transmittance, and half floats of everything else.
+    # Transmittance in 8 bits, and half floats for all other values.
     for precision, bound in (("half", 3e-3), ("paper", 5e-3)):
         name = f"phenomenological[precision={precision}]"
         np.testing.assert_allclose(render(device, scene, name, size=SIZE), expected, atol=bound)
 
 
-def test_without_lights_fog_absorbs(device: Device) -> None:
+def test_unlit_fog_absorbs_light(device: Device) -> None:
     scene = foggy()
     assert scene.effects & Effect.VOLUME
     found = render(device, scene, FLOAT, size=SIZE)
     np.testing.assert_allclose(found, BACKGROUND * passed(scene)[..., None], atol=1e-5)
 
 
-def test_transmittance_alone_has_no_light_of_the_fog(device: Device) -> None:
+def test_the_transmittance_contains_no_light_of_the_fog(device: Device) -> None:
     scene = foggy(lights=(SUN, EnvironmentLight(AMBIENT)))
     with opened(device, scene, FLOAT, SIZE) as frame:
         frame.render(transmittance=True)
@@ -176,7 +176,7 @@ def test_transmittance_alone_has_no_light_of_the_fog(device: Device) -> None:
 
 @pytest.mark.parametrize("z", [1.0, 5.0])
 def test_fog_composes_with_glass(device: Device, z: float) -> None:
-    """Before the fog as in it: transmittances multiply, and light adds up."""
+    """In front of the fog and in it, transmittances multiply and light adds up."""
     glass = Material(transmission=(0.9, 0.5, 0.2), emission=(0.1, 0.2, 0.3))
     pane = Object("pane", quad((0, 0, -z / 2), (9, 0, 0), (0, 9, 0)), glass)
     lights = (EnvironmentLight(AMBIENT),)
@@ -203,7 +203,7 @@ def test_fog_ends_at_an_opaque_wall(device: Device) -> None:
         ((9, -9, -3), (10, 9, 0)),
         ((-9, -9, -0.09), (9, 9, 1)),
     ],
-    ids=["behind the eye", "behind the wall", "beside the view", "before the near plane"],
+    ids=["behind the eye", "behind the wall", "beside the view", "in front of the near plane"],
 )
 def test_a_box_out_of_view_changes_nothing(device: Device, low: RGB, high: RGB) -> None:
     lights = (SUN, EnvironmentLight(AMBIENT))
@@ -212,14 +212,14 @@ def test_a_box_out_of_view_changes_nothing(device: Device, low: RGB, high: RGB) 
     np.testing.assert_array_equal(found, clear)
 
 
-def test_a_camera_may_stand_in_the_fog(device: Device) -> None:
+def test_the_camera_can_be_in_the_fog(device: Device) -> None:
     scene = foggy(Medium(0.5, (-9, -9, -9), (9, 9, 9)))
-    length = np.linalg.norm(model.rays(CAMERA, SIZE), axis=-1)
+    length = np.linalg.norm(rays(CAMERA, SIZE), axis=-1)
     expected = np.exp(-0.5 * (3.0 - CAMERA.near) * length)[..., None] * BACKGROUND
     np.testing.assert_allclose(render(device, scene, FLOAT, size=SIZE), expected, atol=1e-5)
 
 
-def test_a_grid_of_one_value_is_that_density(device: Device) -> None:
+def test_a_grid_of_one_value_equals_that_density(device: Device) -> None:
     lights = (LAMP, EnvironmentLight(AMBIENT))
     ones, halves = (np.full((3, 4, 5), value, dtype=np.float32) for value in (1.0, 0.5))
     constant = render(device, foggy(lights=lights), FLOAT, size=SIZE)
@@ -233,7 +233,7 @@ def test_a_grid_of_one_value_is_that_density(device: Device) -> None:
 
 @pytest.mark.parametrize("lights", [(), (SUN, EnvironmentLight(AMBIENT))], ids=["dark", "lit"])
 def test_a_scene_without_fog_does_not_change(device: Device, lights: tuple[Light, ...]) -> None:
-    # The unit box, which stands in for no medium at all, is in view.
+    # The unit box, which is the default of the shader, is in view.
     scene = foggy(None, lights, camera=Camera((0.5, 0.5, 1.5), (0.5, 0.5, 0)))
     plain = render(device, scene, FLOAT, size=SIZE)
     forced = scene.effects | Effect.VOLUME
@@ -241,7 +241,7 @@ def test_a_scene_without_fog_does_not_change(device: Device, lights: tuple[Light
     np.testing.assert_array_equal(found, plain)
 
 
-def test_nothing_is_left_where_fog_is_not_called_for(device: Device) -> None:
+def test_fog_that_is_not_requested_is_not_rendered(device: Device) -> None:
     lights = (SUN, EnvironmentLight(AMBIENT))
     scene = foggy(lights=lights)
     without = scene.effects & ~Effect.VOLUME
@@ -252,8 +252,8 @@ def test_nothing_is_left_where_fog_is_not_called_for(device: Device) -> None:
         np.testing.assert_array_equal(frame.image(), clear)
 
 
-def test_a_slit_casts_a_bright_sheet(device: Device) -> None:
-    """Light that falls through a gap in a roof lights the fog below it, and no more of it."""
+def test_light_through_a_slit_lights_a_sheet_of_fog(device: Device) -> None:
+    """Light through a gap in a roof lights only the fog below the gap."""
     roof = [
         Object(f"roof {x}", quad((x, 3, -10), (1, 0, 0), (0, 0, -3)), Material())
         for x in (-1.2, 1.2)
@@ -270,8 +270,8 @@ def test_a_slit_casts_a_bright_sheet(device: Device) -> None:
         )
     )  # fmt: skip
     expected = (1 - left[..., None]) * total[..., :3] / np.maximum(total[..., 3:], 1e-5)
-    # Where a ray stays on one side of the shadow's edge, which the map keeps to a texel.
-    x = np.abs(model.rays(camera, size)[..., 0])
+    # Only rays on one side of the edge of the shadow, which has the width of a texel.
+    x = np.abs(rays(camera, size)[..., 0])
     lit, dark = 12 * x < 0.19, 8 * x > 0.21
     assert lit.sum() > 20
     assert dark.sum() > 100
@@ -280,7 +280,7 @@ def test_a_slit_casts_a_bright_sheet(device: Device) -> None:
     assert expected[dark].max() == 0
 
 
-def test_a_colored_pane_tints_the_fog_behind_it(device: Device) -> None:
+def test_a_colored_pane_tints_the_light_in_the_fog(device: Device) -> None:
     pane = Material(transmission=(1.0, 0.25, 0.0), specular=0.0)
     objects = (
         Object("pane", quad((0, 3, -10), (2, 0, 0), (0, 0, -3)), pane),
@@ -291,13 +291,13 @@ def test_a_colored_pane_tints_the_fog_behind_it(device: Device) -> None:
     lights = (DirectionalLight((0, -1, 0)),)
     scene = Scene("pane", camera, objects, lights=lights, medium=medium)
     mean = render(device, scene, FLOAT, size=SIZE).mean(axis=(0, 1))
-    # A quarter of the green light gets to the floor, 4 m below the pane: depths of mean 1 and
-    # variance 3, by which 3 / (3 + 2^2) pass 3 m below it.
+    # A quarter of the green light reaches the floor, 4 m below the pane. Depths have the mean 1 and
+    # the variance 3, so Chebyshev's bound 3 m below the pane is 3 / (3 + 2^2).
     np.testing.assert_allclose(mean / mean[0], (1, 3 / 7, 0), atol=0.02)
 
 
-def test_looking_toward_the_light_is_brighter_in_haze(device: Device) -> None:
-    """Positive anisotropy scatters forward, on toward the eye."""
+def test_fog_is_brighter_toward_the_light(device: Device) -> None:
+    """Positive anisotropy scatters forward, toward the eye."""
     bright = {}
     for z in (1.0, -1.0):
         scene = foggy(lights=(DirectionalLight((0.0, -0.1, z)),))
@@ -307,7 +307,7 @@ def test_looking_toward_the_light_is_brighter_in_haze(device: Device) -> None:
     assert ratio == pytest.approx(float(expected), rel=0.1)
 
 
-def test_neighboring_pixels_share_out_a_slice() -> None:
+def test_neighboring_pixels_sample_different_parts_of_a_slice() -> None:
     part = model.jitter((16, 8))
     blocks = part.reshape(2, 4, 4, 4).swapaxes(1, 2).reshape(8, 16)
     np.testing.assert_allclose(np.diff(np.sort(blocks, axis=-1), axis=-1), 1 / 16, atol=1e-9)
@@ -316,16 +316,17 @@ def test_neighboring_pixels_share_out_a_slice() -> None:
     assert len(np.unique(np.round(16 * blocks.min(axis=-1), 6))) == 8
 
 
-def test_fog_costs_one_write_a_pixel(device: Device) -> None:
+def test_fog_is_blended_once_per_pixel(device: Device) -> None:
     pixels = SIZE[0] * SIZE[1]
     name = "phenomenological[steps=64]"
     with opened(device, foggy(lights=(EnvironmentLight(AMBIENT),)), name, SIZE) as frame:
-        moved = _moved(frame, "fog")
+        moved = moved_bytes(frame, "fog")
     # 64 bits of sums and 24 of transmittance, each read and written; 32 bits of depth are read.
     assert moved == {"blend": 11 * pixels, "write": 11 * pixels, "read": 4 * pixels}
 
 
-def _moved(frame: Frame, name: str) -> dict[str, int]:
+def moved_bytes(frame: Frame, name: str) -> dict[str, int]:
+    """Return the bytes that one pass of a frame moves, by kind."""
     frame.render()
     measured = frame.measure()
     found: dict[str, int] = {}

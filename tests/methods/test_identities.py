@@ -1,4 +1,4 @@
-"""Every method keeps its promises, and breaks the identities that its formula cannot keep."""
+"""Every method keeps the identities that it promises, and breaks the others."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ FURTHER = (
     "weighted_blended[msaa=4]",
     "weighted_sum[clamp=true,precision=float]",
 )
-"""Variants in addition to those that `oitbench stability` runs."""
+"""Variants in addition to those of `oitbench stability`."""
 
 NOT_PROMISED = {
     label: promise(names)
@@ -72,16 +72,16 @@ NOT_PROMISED = {
 }
 """Identities that hold on the scenes of the suite although the method does not promise them.
 
-By the label of a variant or, for all variants without an entry of their own, by the method's name.
-Each variant must break all identities that it neither promises nor has here.
+Keys are labels of variants. The name of a method applies to its variants without an entry. Each
+variant must break all identities that it neither promises nor has here.
 """
 
 BIT_FOR_BIT = ("a_buffer", "a_buffer[node=compact]")
-"""Variants that sort all fragments, so that the order of the draws changes no bit."""
+"""Variants whose pictures are bit for bit the same for every order of the draws."""
 
 
 def tolerated(result: CheckResult) -> bool:
-    """Return whether the method may hold the identity without a promise."""
+    """Return whether the identity may hold although the method does not promise it."""
     own = NOT_PROMISED.get(result.method, NOT_PROMISED.get(result.name, frozenset()))
     return result.check in own
 
@@ -97,7 +97,7 @@ def test_promised_identities_hold_and_others_break(device: Device, check: Check)
     assert len(results) == len(methods)
     assert described([item for item in results if item.failed]) == []
     held = [item for item in results if item.status == HOLDS]
-    # A method could promise these; otherwise they belong into NOT_PROMISED.
+    # Add these to the promises of the method or to NOT_PROMISED.
     assert described([i for i in held if not i.promised and not tolerated(i)]) == []
     assert described([i for i in results if i.promised and tolerated(i)]) == []
     listed = {label for label, names in NOT_PROMISED.items() if check.name in names}

@@ -1,4 +1,4 @@
-"""Deep stacks of layers stall, drift or overflow in formats of 8 and 16 bits."""
+"""Deep stacks of layers stall, drift or overflow in 8 and 16 bits."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ PASSED = (1 - 1 / 512) ** 1000
 
 
 def passed(device: Device, name: str) -> float:
-    """Return the transmittance of a thousand layers of coverage 1/512, 0.1416."""
+    """Return the transmittance of 1000 layers of coverage 1/512; the exact one is 0.1416."""
     return float(render(device, scene_of(stack(THIN, 4), WHITE), name)[0, 0, 0])
 
 
@@ -41,7 +41,7 @@ def test_eight_bits_of_transmittance_stall_at_one(device: Device) -> None:
         "stochastic",
     ],
 )
-def test_floats_follow_a_thousand_thin_layers(device: Device, name: str) -> None:
+def test_floats_are_accurate_for_1000_faint_layers(device: Device, name: str) -> None:
     base, _, body = name.removesuffix("]").partition("[")
     full = f"{base}[{body + ',' if body else ''}precision=float]"
     assert passed(device, full) == pytest.approx(PASSED, abs=1e-4)
@@ -50,16 +50,16 @@ def test_floats_follow_a_thousand_thin_layers(device: Device, name: str) -> None
 @pytest.mark.parametrize(
     "name", ["alpha_blend", "sorted_over", "weighted_blended[precision=half]", "stochastic"]
 )
-def test_half_floats_drift_over_a_thousand_thin_layers(device: Device, name: str) -> None:
-    # Each of 1000 factors is rounded by up to half a step, or by a step where drivers truncate.
+def test_half_floats_drift_over_1000_faint_layers(device: Device, name: str) -> None:
+    # The rounding error of each of 1000 factors is half a step, or a step if drivers truncate.
     found = passed(device, name)
     assert 0 < found < 0.5
     assert abs(found - PASSED) > 0.01
 
 
 def test_only_half_floats_overflow_in_the_sum_of_bright_near_layers(device: Device) -> None:
-    # With w = 3000 and L = 2, the sum of colors exceeds 65504 after eleven layers; that of weights
-    # does not.
+    # With w = 3000 and L = 2, the sum of colors exceeds 65504 after eleven layers, the sum of
+    # weights does not.
     layers = [Layer(0.1001, 1.0, (2.0, 2.0, 2.0))] * 16
     for precision in ("paper", "half"):
         found = render(device, stack(layers, 4), f"weighted_blended[precision={precision}]")
@@ -88,7 +88,7 @@ def test_a_sum_of_half_floats_stalls_after_2048_equal_terms(device: Device, name
 
 
 @pytest.mark.parametrize("name", ["alpha_blend", "sorted_over", "depth_peeling", "stochastic"])
-def test_floats_change_a_shallow_image_by_a_few_steps_of_half_floats(
+def test_floats_and_half_floats_differ_by_a_few_steps_for_six_layers(
     device: Device, name: str
 ) -> None:
     lists = scene_of(random_lists(6), BACKGROUND)

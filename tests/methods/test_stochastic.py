@@ -1,4 +1,4 @@
-"""Stochastic transparency against its model with the same random numbers, and its accounting."""
+"""Stochastic transparency against a model with the same random numbers; its accounts."""
 
 from __future__ import annotations
 
@@ -22,6 +22,7 @@ from tests.helpers import (
     RED,
     WHITE,
     Layer,
+    bits_per_pixel,
     full_plan,
     method,
     opened,
@@ -38,7 +39,7 @@ HALF = 2.0**-10
 
 
 def allowed(precision: str, additions: int) -> float:
-    """Return what a quotient of two sums may be off by: each addition by a step of its result."""
+    """Return the largest error of a quotient of two sums: a step of the result per addition."""
     return {"half": HALF, "float": 2.0**-22}[precision] * (2 * additions + 4)
 
 
@@ -53,7 +54,7 @@ def allowed(precision: str, additions: int) -> float:
 @example(count=5, correction="none", samples=64, seed=3, precision="float")
 @example(count=5, correction="alpha", samples=48, seed=4, precision="float")
 @example(count=5, correction="depth", samples=64, seed=5, precision="float")
-def test_pictures_are_those_of_the_model(
+def test_pictures_follow_the_model(
     device: Device, count: int, correction: str, samples: int, seed: int, precision: str
 ) -> None:
     lists = random_lists(count, seed=seed)
@@ -64,9 +65,7 @@ def test_pictures_are_those_of_the_model(
 
 
 @pytest.mark.parametrize("samples", [4, 16, 24, 32])
-def test_every_sample_keeps_the_nearest_of_the_layers_that_take_it(
-    device: Device, samples: int
-) -> None:
+def test_each_sample_keeps_the_nearest_layer_that_takes_it(device: Device, samples: int) -> None:
     lists = random_lists(5)
     with opened(device, scene_of(lists), f"stochastic[samples={samples}]") as frame:
         frame.render()
@@ -87,7 +86,7 @@ def test_the_seed_and_the_round_change_the_masks(device: Device) -> None:
     assert 0.4 < (masks(opacity, 32, 1, 0) == masks(opacity, 32, 1, 1)).mean() < 0.6
 
 
-def test_clear_layers_that_come_last_change_nothing(device: Device) -> None:
+def test_clear_layers_change_nothing(device: Device) -> None:
     some = [Layer(2.0, 0.4, RED), Layer(4.0, 0.6, GREEN)]
     clear = [Layer(z, 0.0, WHITE) for z in np.linspace(1.5, 5.0, 40)]
     for correction in CORRECTIONS:
@@ -104,7 +103,7 @@ def test_an_opaque_layer_takes_every_sample(device: Device, correction: str) -> 
 
 
 @pytest.mark.parametrize(("transmission", "shown"), [(1.0, 1.0), (0.999, 1.0), (0.97, 1.0)])
-def test_a_highlight_on_clear_glass_stays(
+def test_clear_glass_keeps_its_highlight_with_a_correction(
     device: Device, transmission: float, shown: float
 ) -> None:
     glass = Layer(2.0, 1.0, WHITE, (transmission,) * 3)
@@ -128,23 +127,21 @@ def test_a_highlight_on_clear_glass_stays(
         (48, "depth", 106),
     ],
 )
-def test_memory_is_four_bytes_a_sample_and_ten_a_pixel(
+def test_memory_is_4_bytes_per_sample_and_10_per_pixel(
     device: Device, samples: int, correction: str, size: int
 ) -> None:
     name = f"stochastic[samples={samples},correction={correction}]"
-    with opened(device, scene_of(random_lists(1)), name) as frame:
-        assert accounting.memory(frame).bits_per_pixel == 8 * size
+    assert bits_per_pixel(device, scene_of(random_lists(1)), name) == 8 * size
 
 
 @pytest.mark.parametrize(("samples", "published"), [(8, 36.9), (16, 65.0)])
 def test_memory_is_as_published(device: Device, samples: int, published: float) -> None:
-    # Salvi et al. 2011, table 1: 1280 x 720 pixels, MBytes of 2^20.
-    with opened(device, scene_of(random_lists(1)), f"stochastic[samples={samples}]") as frame:
-        bits = accounting.memory(frame).bits_per_pixel
-        assert bits / 8 * 1280 * 720 / 2**20 == pytest.approx(published, abs=0.05)
+    """Salvi et al. 2011, table 1: 1280×720 pixels, MBytes of 2^20."""
+    bits = bits_per_pixel(device, scene_of(random_lists(1)), f"stochastic[samples={samples}]")
+    assert bits / 8 * 1280 * 720 / 2**20 == pytest.approx(published, abs=0.05)
 
 
-def test_traffic_is_twelve_bytes_a_sample_and_twenty_more(device: Device) -> None:
+def test_traffic_is_12_bytes_per_sample_and_20_per_fragment(device: Device) -> None:
     count, samples = 6, 16
     with opened(device, scene_of(random_lists(count)), "stochastic") as frame:
         frame.render()
@@ -156,15 +153,15 @@ def test_traffic_is_twelve_bytes_a_sample_and_twenty_more(device: Device) -> Non
         assert {record.runs for record in measured.passes} == {1}
 
 
-def test_more_than_32_samples_take_two_rounds(device: Device) -> None:
+def test_64_samples_take_two_rounds(device: Device) -> None:
     with opened(device, scene_of(random_lists(3)), "stochastic[samples=64]") as frame:
         frame.render()
         measured = frame.measure()
         assert [record.runs for record in measured.passes] == [1, 2, 2, 1]
 
 
-def test_hand_example_of_two_samples_shares(device: Device) -> None:
-    # Half of all samples each, whatever the set: red is seen in 8 of 16, the rest shows through.
+def test_half_coverage_takes_half_of_the_samples(device: Device) -> None:
+    # Red takes 8 of 16 samples, and the background is visible in the others.
     lists = stack([Layer(1.0, 0.5, RED)], side=4)
     found = render(device, scene_of(lists, BLUE), "stochastic[correction=none]")
     np.testing.assert_array_equal(found, np.broadcast_to(np.array([0.5, 0.0, 0.5]), found.shape))
@@ -173,7 +170,7 @@ def test_hand_example_of_two_samples_shares(device: Device) -> None:
 
 @pytest.fixture
 def slanted() -> Scene:
-    """A pane seen at an angle before a wall that fills the view, and one that ends within it."""
+    """An inclined pane that fills the view, and a pane with edges, in front of a wall."""
     pane = Object("pane", quad((0, 0, -5), (8, 0, 6), (0, 8, 1)), Material(0.5, emission=RED))
     part = Object("part", quad((0, 0, -4), (0.9, 0.3, 0), (-0.3, 0.9, 0)), Material(0.5))
     wall = Object("wall", quad((0, 3, -30), (99, 0, 0), (0, 3, 0)), Material(emission=WHITE))
@@ -182,17 +179,17 @@ def slanted() -> Scene:
 
 @pytest.mark.parametrize("samples", [1, 4])
 @pytest.mark.parametrize("correction", ["none", "depth"])
-def test_a_surface_always_sees_itself(
+def test_a_surface_does_not_hide_itself(
     device: Device, slanted: Scene, correction: str, samples: int
 ) -> None:
     alone = replace(slanted, objects=slanted.objects[:1])
     name = f"stochastic[correction={correction},msaa={samples},precision=float]"
     found = render(device, alone, name, size=(96, 96))
-    # Half of 16 samples, in each pixel, at any angle.
+    # Half of 16 samples in each pixel, for any slope.
     np.testing.assert_allclose(found, np.full_like(found, 0.5) * [1, 0, 1], atol=1e-6)
 
 
-def test_edges_are_averaged_over_their_samples(device: Device, slanted: Scene) -> None:
+def test_four_samples_antialias_edges(device: Device, slanted: Scene) -> None:
     size = (96, 96)
     exact = render(device, slanted, "a_buffer", size=(384, 384))
     smooth = exact.reshape(96, 4, 96, 4, 3).mean(axis=(1, 3))
@@ -204,10 +201,10 @@ def test_edges_are_averaged_over_their_samples(device: Device, slanted: Scene) -
     assert np.quantile(error[4], 0.999) < 0.15
 
 
-def test_several_samples_share_one_set_of_depths(device: Device, slanted: Scene) -> None:
+def test_four_samples_share_one_set_of_depths(device: Device, slanted: Scene) -> None:
     name = "stochastic[samples=16,msaa=4]"
     with opened(device, slanted, name, (64, 48)) as frame:
-        # Salvi et al. 2011, table 1: 91.4 MBytes of 1280 x 720 pixels.
+        # Salvi et al. 2011, table 1: 91.4 MBytes for 1280×720 pixels.
         bits = accounting.memory(frame).bits_per_pixel
         assert bits == 8 * (4 * 16 + 10 * 4)
         assert bits / 8 * 1280 * 720 / 2**20 == pytest.approx(91.4, abs=0.05)
@@ -226,7 +223,7 @@ def test_several_samples_share_one_set_of_depths(device: Device, slanted: Scene)
         np.testing.assert_array_equal(frame.read("depths0"), centers)
 
 
-def test_pictures_of_whole_pixels_are_the_same_with_several_samples(device: Device) -> None:
+def test_four_samples_do_not_change_pixels_that_are_covered_completely(device: Device) -> None:
     for correction in CORRECTIONS:
         one, four = (
             render(device, random_lists(6), f"stochastic[correction={correction},msaa={n}]")
@@ -236,7 +233,7 @@ def test_pictures_of_whole_pixels_are_the_same_with_several_samples(device: Devi
 
 
 @pytest.mark.parametrize("correction", CORRECTIONS)
-def test_coincident_layers_pass_their_product_and_stay_in_bounds(
+def test_coincident_layers_transmit_their_product_and_are_not_negative(
     device: Device, correction: str
 ) -> None:
     pair = scene_of(stack([Layer(2.0, 0.5, NOTHING)] * 2), WHITE)

@@ -1,4 +1,4 @@
-"""Basic meshes: volumes, winding, seams, and the errors for input that is not a surface."""
+"""Basic meshes: volumes, winding, seams and refused input."""
 
 from __future__ import annotations
 
@@ -26,13 +26,13 @@ OPEN = {
 
 
 @pytest.mark.parametrize("name", CLOSED)
-def test_closed_meshes_are_watertight_and_turned_outwards(name: str) -> None:
+def test_closed_meshes_are_watertight_with_outward_normals(name: str) -> None:
     assert not len(boundary(CLOSED[name]))
     assert signed_volume(CLOSED[name]) > 0
 
 
 @pytest.mark.parametrize("name", CLOSED | OPEN)
-def test_normals_are_unit_vectors_on_the_side_of_the_winding(name: str) -> None:
+def test_normals_are_unit_vectors_that_agree_with_the_winding(name: str) -> None:
     mesh = (CLOSED | OPEN)[name]
     assert has_unit_normals(mesh)
     assert (agreement(mesh) > 0).all()
@@ -55,7 +55,7 @@ def test_a_slab_lies_between_its_corners() -> None:
     np.testing.assert_allclose(high, (1, 0.5, 5))
 
 
-def test_a_reversed_profile_turns_inwards() -> None:
+def test_a_reversed_profile_has_inward_normals() -> None:
     assert signed_volume(lathe(CUP[::-1], 16)) == pytest.approx(-signed_volume(lathe(CUP, 16)))
 
 
@@ -78,7 +78,7 @@ def test_the_vertices_of_a_sphere_lie_on_it_along_their_normals() -> None:
     ("profile", "slices"),
     [([(1, 0)], 8), ([(1, 0), (1, 1)], 2), ([(-1, 0), (1, 1)], 8), ([(1, 0), (1, 0)], 8)],
 )
-def test_profiles_that_make_no_surface_are_refused(
+def test_profiles_that_are_no_surface_are_refused(
     profile: list[tuple[float, float]], slices: int
 ) -> None:
     with pytest.raises(ValueError, match="lathe"):

@@ -22,7 +22,7 @@ def test_points_fill_balls_evenly_and_by_volume() -> None:
     local = (points[large] - [10, 0, 0]) / [1, 0.5, 1]
     reach = np.linalg.norm(local, axis=1) / 2
     assert reach.max() <= 1
-    # Half the volume of a ball is within 0.5^(1/3) of its radius.
+    # Half of the volume of a ball is within 0.5^(1/3) of its radius.
     assert (reach < 0.5 ** (1 / 3)).mean() == pytest.approx(0.5, abs=0.015)
 
 

@@ -10,11 +10,11 @@ import numpy.typing as npt
 from oitbench.scene import Floats
 
 Curve = Callable[[Floats, Floats, Floats], Floats]
-"""Takes (u, a) of the layers, (n, ...), and places (m, ...); returns the absorbance before each."""
+"""Takes u and a of the layers, (n, ...), and places, (m, ...); returns absorbances, (m, ...)."""
 
 
 def opacity_map(slices: int) -> Curve:
-    """Return the curve of sums up to each slice, linear between them."""
+    """Return the curve of the sums at slices, linear between slices."""
     edges = np.arange(slices + 1) / slices
 
     def absorbed(u: Floats, a: Floats, places: Floats) -> Floats:
@@ -29,7 +29,7 @@ def opacity_map(slices: int) -> Curve:
 
 
 def fourier_map(coefficients: int, lanczos: bool) -> Curve:
-    """Return the truncated series, by Jansen & Bavoil's formula."""
+    """Return the truncated Fourier series (Jansen & Bavoil 2010)."""
     harmonics = (coefficients - 1) // 2
 
     def absorbed(u: Floats, a: Floats, places: Floats) -> Floats:
@@ -56,7 +56,7 @@ def composite(
     colors : array, shape (n, h, w, 3)
         alpha L.
     factors : array, shape (n, h, w, c)
-        Transmittance of each layer: one channel, or three for a curve each.
+        Transmittance of each layer: one channel, or three channels with separate curves.
     """
     dark = (factors < 1).any(axis=-1)
     nearest = np.where(dark, depths, np.inf).min(axis=0)

@@ -1,4 +1,4 @@
-"""Adaptive transparency in double precision, node by node, as Salvi et al. 2011 describe it."""
+"""Adaptive transparency in double precision, node by node (Salvi et al. 2011)."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class Curve:
     Attributes
     ----------
     close : bool
-        Whether two removals ever cost so nearly the same that single precision may swap them.
+        Whether the costs of two removals were so close that single precision may swap them.
     """
 
     capacity: int
@@ -40,7 +40,7 @@ class Curve:
     close: bool = False
 
     def insert(self, depth: float, factor: float) -> None:
-        """Multiply the curve by a step; remove a node if there is one too many."""
+        """Multiply the curve by a step; remove a node if there are too many."""
         depth = self.kept_depth(depth)
         place = sum(other < depth for other in self.depths)
         before = self.throughs[place - 1] if place else 1.0
@@ -54,11 +54,11 @@ class Curve:
         self.total = self.throughs[-1]
 
     def _remove(self) -> None:
-        """Remove the node that costs the least area; of equal ones the nearest."""
+        """Remove the node that changes the area least; of equal ones the nearest."""
         before = np.array([1.0, *self.throughs[:-1]])
         drops = before - self.throughs
         gaps = np.diff(self.depths)
-        # (cost, rounding error of the cost, what goes)
+        # (cost, rounding error of the cost, index of the depth and of the transmittance to remove)
         costs: list[tuple[float, float, int, int]] = []
         for j in range(len(drops)):
             if self.removal != "over" and j > 0:
@@ -72,12 +72,12 @@ class Curve:
         del self.depths[depth_gone], self.throughs[through_gone]
 
     def visibility(self, depth: float) -> float:
-        """Return the transmittance of all that is nearer than `depth`."""
+        """Return the transmittance of all layers nearer than `depth`."""
         place = sum(other < self.kept_depth(depth) for other in self.depths)
         return self.throughs[place - 1] if place else 1.0
 
     def kept_depth(self, depth: float) -> float:
-        """Return `depth` as a node keeps it."""
+        """Return `depth` as a node stores it."""
         if not self.packed:
             return depth
         bits = np.float32(depth).view(np.uint32) & np.uint32(0xFFFFFF80)
@@ -93,7 +93,7 @@ def composite(
     removal: str = "under",
     packed: bool = False,
 ) -> tuple[Floats, npt.NDArray[np.bool_]]:
-    """Return the picture of lists in order of submission, and where it is `Curve.close`.
+    """Return the picture of lists in submission order, and the pixels that are `Curve.close`.
 
     Parameters
     ----------
@@ -102,7 +102,7 @@ def composite(
     colors : array, shape (n, h, w, 3)
         alpha L.
     factors : array, shape (n, h, w, c)
-        Transmittance of each layer: one channel, or three for a curve each.
+        Transmittance of each layer: one channel, or three channels with separate curves.
     """
     channels = factors.shape[-1]
     result = np.empty((*depths.shape[1:], 3))
@@ -110,13 +110,13 @@ def composite(
     for row, column in np.ndindex(*depths.shape[1:]):
         here = depths[:, row, column]
         for channel in range(channels):
-            served = slice(None) if channels == 1 else slice(channel, channel + 1)
+            covered = slice(None) if channels == 1 else slice(channel, channel + 1)
             curve = Curve(nodes, removal, packed)
             for depth, factor in zip(here, factors[:, row, column, channel], strict=True):
                 if factor < 1:
                     curve.insert(float(depth), float(factor))
             seen = np.array([curve.visibility(float(depth)) for depth in here])
-            color = (colors[:, row, column, served] * seen[:, None]).sum(axis=0)
-            result[row, column, served] = color + curve.total * np.asarray(background)[served]
+            color = (colors[:, row, column, covered] * seen[:, None]).sum(axis=0)
+            result[row, column, covered] = color + curve.total * np.asarray(background)[covered]
             close[row, column] |= curve.close
     return result, close

@@ -1,4 +1,4 @@
-"""Methods that keep k nodes a pixel, in double precision; only what is stored is rounded."""
+"""Methods with k nodes per pixel in double precision; only stored values are rounded."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from tests.models.commutative import layers_of
 
 _EMPTY = float(np.finfo(np.float32).max)
 _TIES = {"8-bit": (3, 2, 1, 0), "16f": (1, 0, 3, 2), "32f": (0, 1, 2, 3)}
-"""Channels by which nodes of equal depth are ordered: the packed words, high bits first."""
+"""Channels that order nodes of equal depth: those of the packed words, high bits first."""
 
 
 def stored(color: Floats, node: str) -> Floats:
-    """Return colors and opacities as a node of the format holds them."""
+    """Return colors and opacities as a node of this format stores them."""
     if node == "8-bit":
         return np.asarray(np.rint(np.clip(color, 0, 1) * 255) / 255)
     kind = np.float16 if node == "16f" else np.float32
@@ -25,14 +25,14 @@ def stored(color: Floats, node: str) -> Floats:
 
 @dataclass
 class Nodes:
-    """Nodes of every pixel, near to far: depth (k, h, w), color and opacity (k, h, w, 4)."""
+    """Nodes of each pixel from near to far: depth (k, h, w), color and opacity (k, h, w, 4)."""
 
     depth: Floats
     color: Floats
     node: str
 
     def insert(self, depth: Floats, color: Floats) -> Floats:
-        """Insert one node in every pixel; return the color that falls out, zero if none does."""
+        """Insert one node in each pixel; return the color that is removed, or zero."""
         for place in range(len(self.depth)):
             kept_depth, kept = self.depth[place].copy(), self.color[place].copy()
             before = self._before(depth, color, kept_depth, kept)
@@ -63,24 +63,24 @@ class Nodes:
 def gathered(
     lists: FragmentLists, k: int, node: str, merging: bool = False
 ) -> tuple[Nodes, list[Floats]]:
-    """Insert all fragments as submitted; return the nodes, and what fell out of them.
+    """Insert all fragments in submission order; return the nodes, and the removed colors.
 
-    With `merging`, what falls out is composited into the last node.
+    With `merging`, removed colors are composited into the last node.
     """
     color, opacity = layers_of(lists)
     layers = stored(np.concatenate([color, opacity[..., None]], axis=-1), node)
     shape = (k, *lists.z.shape[1:])
     nodes = Nodes(np.full(shape, _EMPTY), np.zeros((*shape, 4)), node)
-    fallen = []
+    removed = []
     for depth, layer in zip(lists.z.astype(np.float64), layers, strict=True):
-        # What hides nothing is as far as an empty node, and goes behind all that are.
+        # Layers that are clear go behind all nodes, also behind empty ones.
         depth = np.where(layer.any(axis=-1), depth, np.inf)
         out = nodes.insert(depth, layer)
-        fallen.append(out)
+        removed.append(out)
         if merging:
             last = nodes.color[-1]
             nodes.color[-1] = stored(last + (1 - last[..., 3:]) * out, node)
-    return nodes, fallen
+    return nodes, removed
 
 
 def _over(front: Floats, background: npt.ArrayLike) -> Floats:
@@ -93,15 +93,15 @@ def k_buffer(lists: FragmentLists, background: npt.ArrayLike, k: int, node: str)
 
 
 def multilayer_alpha(lists: FragmentLists, background: npt.ArrayLike, k: int, node: str) -> Floats:
-    """Return all layers, merged as they came; Salvi & Vaidyanathan 2014."""
+    """Return all layers, merged in submission order; Salvi & Vaidyanathan 2014."""
     return _over(gathered(lists, k, node, merging=True)[0].composite(), background)
 
 
 def hybrid(lists: FragmentLists, background: npt.ArrayLike, k: int, node: str) -> Floats:
     """Return the k nearest layers over the weighted average of all others; Maule et al. 2013."""
-    nodes, fallen = gathered(lists, k, node)
-    total, number = np.zeros(fallen[0].shape), np.zeros(fallen[0].shape[:-1])
-    for layer in fallen:
+    nodes, removed = gathered(lists, k, node)
+    total, number = np.zeros(removed[0].shape), np.zeros(removed[0].shape[:-1])
+    for layer in removed:
         total = stored(total + layer, "16f")
         number += layer[..., 3] > 0
     number, opacity = np.maximum(number, 1), total[..., 3]

@@ -1,4 +1,4 @@
-"""Ray-marched fog in double precision: the slices of each pixel's ray, as layers to composite.
+"""Ray-marched fog in double precision: the slices of each view ray are layers to composite.
 
 Pictures are (h, w), top row first.
 """
@@ -20,21 +20,20 @@ from oitbench.scene import (
     Medium,
     SpotLight,
 )
-
-Words = npt.NDArray[np.uint64]
-_MASK = np.uint64(0xFFFFFFFF)
+from tests.models.hashing import fraction, pcg3d
+from tests.models.view import rays
 
 
 @dataclass(frozen=True, eq=False)
 class Slices:
-    """Layers that stand for a medium: z and coverage (n, h, w), radiance (n, h, w, 3)."""
+    """Slices of a medium: z and coverage, shape (n, h, w), and radiance, shape (n, h, w, 3)."""
 
     z: Floats
     coverage: Floats
     radiance: Floats
 
     def lists(self) -> FragmentLists:
-        """Return the same layers as fragments that a scene gives outright."""
+        """Return the slices as fragment lists."""
         single = self.radiance.astype(np.float32)
         return FragmentLists(
             self.z.astype(np.float32),
@@ -45,44 +44,22 @@ class Slices:
 
 
 def phase(cosine: npt.ArrayLike, g: float) -> Floats:
-    """Return Henyey & Greenstein's p, 1/sr."""
+    """Return the phase function of Henyey & Greenstein, 1/sr."""
     base = 1 + g * g - 2 * g * np.asarray(cosine, dtype=np.float64)
     return np.asarray((1 - g * g) / (4 * np.pi * base**1.5))
 
 
-def pcg3d(x: Words, y: Words, z: Words) -> Words:
-    """Return the first word of the hash of three (Jarzynski & Olano 2020)."""
-    v = [(a * np.uint64(1664525) + np.uint64(1013904223)) & _MASK for a in (x, y, z)]
-    for last in (False, True):
-        for i in range(3):
-            v[i] = (v[i] + v[(i + 1) % 3] * v[(i + 2) % 3]) & _MASK
-        if not last:
-            v = [a ^ (a >> np.uint64(16)) for a in v]
-    return v[0]
-
-
 def jitter(size: tuple[int, int]) -> Floats:
-    """Return the part of a slice at which each pixel samples."""
+    """Return the position in a slice that each pixel samples, in [0, 1)."""
     width, height = size
-    x, y = np.meshgrid(np.arange(width, dtype=np.uint64), np.arange(height, dtype=np.uint64)[::-1])
+    x, y = np.meshgrid(np.arange(width, dtype=np.uint32), np.arange(height, dtype=np.uint32)[::-1])
     bayer = np.array([[0, 8, 2, 10], [12, 4, 14, 6], [3, 11, 1, 9], [15, 7, 13, 5]])
-    four = np.uint64(4)
-    drawn = (pcg3d(x // four, y // four, np.zeros_like(x)) >> np.uint64(8)) / 2.0**24
-    return np.asarray((bayer[y % four, x % four] / 16 + drawn) % 1)
-
-
-def rays(camera: Camera, size: tuple[int, int]) -> Floats:
-    """Return world directions through pixel centers, one meter of view distance long, (h, w, 3)."""
-    width, height = size
-    pixel = 2 * np.tan(camera.fov_y / 2) / height
-    x = (np.arange(width) + 0.5 - width / 2) * pixel
-    y = (height / 2 - np.arange(height) - 0.5) * pixel
-    ahead = np.stack([*np.meshgrid(x, y), -np.ones((height, width))], axis=-1)
-    return np.asarray(ahead @ camera.axes)
+    block, _, _ = pcg3d(x // 4, y // 4, 0)
+    return np.asarray((bayer[y % 4, x % 4] / 16 + fraction(block).astype(np.float64)) % 1)
 
 
 def density(medium: Medium, points: Floats) -> Floats:
-    """Return the density at points (..., 3): linear between cells, the outermost repeated."""
+    """Return the density at points (..., 3), linear between cells and constant at the border."""
     if medium.density is None:
         return np.ones(points.shape[:-1])
     low, high = np.asarray(medium.low), np.asarray(medium.high)
@@ -100,7 +77,7 @@ def density(medium: Medium, points: Floats) -> Floats:
 
 
 def beam(light: DirectionalLight | SpotLight, points: Floats) -> tuple[Floats, Floats]:
-    """Return the direction of travel and the irradiance at points (..., 3), without shadows."""
+    """Return the direction of the light and its irradiance at points (..., 3), without shadows."""
     if isinstance(light, DirectionalLight):
         travel = np.asarray(light.direction) / np.linalg.norm(light.direction)
         return np.broadcast_to(travel, points.shape), np.broadcast_to(
@@ -126,9 +103,22 @@ def march(
     ambient: npt.ArrayLike = 0.0,
     visibility: Callable[[Floats], npt.ArrayLike] = lambda points: 1.0,
 ) -> Slices:
-    """Return `steps` slices between the near plane and the view distance `behind`, m.
+    """Return slices between the near plane and a view distance.
 
-    `ambient` is the mean radiance around; `visibility` is that of all lights at points (..., 3).
+    Parameters
+    ----------
+    camera : Camera
+    medium : Medium
+    size : (int, int)
+    steps : int
+        Number of slices.
+    behind : array, shape (h, w)
+        View distance of the opaque surface, meters.
+    lights : sequence of light
+    ambient : array, shape (3,)
+        Mean radiance of the surroundings.
+    visibility : callable
+        Visibility of all lights at points (..., 3).
     """
     direction, eye = rays(camera, size), np.asarray(camera.position, dtype=np.float64)
     with np.errstate(divide="ignore"):

@@ -12,7 +12,7 @@ from tests.models.commutative import layers_of
 def composite(
     lists: FragmentLists, background: npt.ArrayLike, thresholds: npt.NDArray[np.float32]
 ) -> Floats:
-    """Return what the nearest fragment shows whose opacity reaches its threshold, (n, h, w)."""
+    """Return the color of the nearest fragment whose opacity reaches its threshold, (n, h, w)."""
     color, opacity = layers_of(lists)
     kept = np.asarray(opacity.astype(np.float32) >= thresholds)
     nearest = np.asarray(np.where(kept, lists.z, np.inf).argmin(axis=0))[None]

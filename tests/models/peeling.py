@@ -1,4 +1,4 @@
-"""What truncated peeling composites: the layers that it has reached, and no others."""
+"""Truncated depth peeling, which composites only the first layers."""
 
 from __future__ import annotations
 
@@ -12,17 +12,17 @@ from oitbench.scene import Floats, FragmentLists
 
 
 def peeled(lists: FragmentLists, background: npt.ArrayLike, layers: int, both_ends: bool) -> Floats:
-    """Composite the first `layers` of each pixel; with `both_ends`, as many from either end.
+    """Return the picture of the first `layers` of each pixel, or of layers from both ends.
 
     Parameters
     ----------
     lists : FragmentLists
-        All of distinct depths at each pixel.
+        The depths at each pixel must be distinct.
     background : array, broadcastable to (h, w, 3)
     layers : int
-        All if zero.
+        Zero means all.
     both_ends : bool
-        Layers come in pairs, nearest and farthest, and odd numbers are rounded up.
+        Layers are peeled in pairs, the nearest and the farthest; odd numbers are rounded up.
     """
     rank = lists.z.argsort(axis=0).argsort(axis=0)
     count = len(lists.z)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import product
+
 import numpy as np
 import numpy.typing as npt
 
@@ -13,7 +15,7 @@ K0, K1 = 0.25, 0.5
 
 
 def depth_weight(opacity: Floats, depth: Floats, equation: str = "eq5") -> Floats:
-    """Return w of net opacity and window depth."""
+    """Return the weight w for a net opacity and a window depth."""
     near = 1 - 0.99 * depth
     if equation == "g3d":
         return np.clip(opacity * np.clip(1e4 * near**3, 1e-3, 1), 1e-3, 150)
@@ -21,7 +23,7 @@ def depth_weight(opacity: Floats, depth: Floats, equation: str = "eq5") -> Float
 
 
 def self_modulation(beta: Floats, kind: str) -> Floats:
-    """Return the factor on the mean layer."""
+    """Return S, the factor on the mean layer."""
     most = beta.max(axis=-1, keepdims=True)
     if kind == "tvcg":
         return np.asarray(0.5 + np.maximum(beta, 1e-3) / np.maximum(2e-3, 2 * most))
@@ -37,7 +39,7 @@ def composite(
     equation: str = "eq5",
     near: float = 0.1,
 ) -> Floats:
-    """Return beta C0 + (1 − beta) S U for fragments that neither bend nor blur."""
+    """Return beta C0 + (1 − beta) S U for fragments without refraction and diffusion."""
     color, opacity = layers_of(lists)
     w = depth_weight(opacity, 1 - near / lists.z.astype(np.float64), equation)
     total = (w * opacity).sum(axis=0)[..., None]
@@ -51,14 +53,14 @@ def composite(
 def blur(
     focal: float, collimation: float, weight: float, z: npt.ArrayLike, behind: npt.ArrayLike
 ) -> Floats:
-    """Return one layer's D in pixels; `focal` in pixels, distances in meters."""
+    """Return D of one layer in pixels; `focal` is in pixels, distances are in meters."""
     distance = np.asarray(z, dtype=np.float64)
     gap = np.abs(np.asarray(behind, dtype=np.float64) - distance)
     return np.asarray(focal * K0 * (1 - collimation) * weight * (1 - K1 / (K1 + gap)) / distance)
 
 
 def bent(toward_eye: Floats, normal: Floats, eta: float) -> Floats:
-    """Return unit directions of light's path behind a surface, by Snell; all (..., 3), or NaN."""
+    """Return the unit directions (..., 3) of refracted rays, by Snell; NaN for total reflection."""
     cosine = (toward_eye * normal).sum(axis=-1, keepdims=True)
     k = 1 - eta**2 * (1 - cosine**2)
     return np.asarray(
@@ -69,27 +71,26 @@ def bent(toward_eye: Floats, normal: Floats, eta: float) -> Floats:
 def gather(
     picture: Floats, blurs: Floats, offset: Floats, radius: int, kernel: str = "disk"
 ) -> Floats:
-    """Return the picture blurred over D = `blurs`, at `offset` (..., 2) pixels right and down."""
+    """Return the picture blurred over D = `blurs`, at `offset` (..., 2) pixels right and down.
+
+    Taps are two pixels apart and at most `radius` pixels from the center.
+    """
     height, width = blurs.shape
-    out = picture.copy()
     cut = 2.5 if kernel == "gaussian" else 1.0
-    for row, column in np.ndindex(height, width):
-        here = float(blurs[row, column])
-        if here == 0:
-            continue
-        x = int(np.floor(column + 0.5 + offset[row, column, 0]))
-        y = int(np.floor(row + 0.5 + offset[row, column, 1]))
-        reach = int(min(cut * here, radius)) // 2 * 2
-        total, weights = np.zeros(3), 0.0
-        for dy in range(-reach, reach + 1, 2):
-            for dx in range(-reach, reach + 1, 2):
-                tap = np.clip(y + dy, 0, height - 1), np.clip(x + dx, 0, width - 1)
-                there, square = blurs[tap], dx * dx + dy * dy
-                if square > (cut * min(here, there)) ** 2:
-                    continue
-                spread = max(there**2, 1.0)
-                weight = np.exp(-square / (2 * spread)) if cut > 1 else 1 / spread + 1e-5
-                total += weight * picture[tap]
-                weights += weight
-        out[row, column] = total / max(weights, 1e-20)
-    return out
+    rows, columns = np.indices(blurs.shape)
+    x = np.floor(columns + 0.5 + offset[..., 0]).astype(int)
+    y = np.floor(rows + 0.5 + offset[..., 1]).astype(int)
+    reach = np.minimum(cut * blurs, radius).astype(int)
+    total, weights = np.zeros(picture.shape), np.zeros(blurs.shape)
+    most = radius // 2 * 2
+    for dy, dx in product(range(-most, most + 1, 2), repeat=2):
+        tap = np.clip(y + dy, 0, height - 1), np.clip(x + dx, 0, width - 1)
+        there, square = blurs[tap], dx * dx + dy * dy
+        variance = np.maximum(there**2, 1.0)
+        weight = np.exp(-square / (2 * variance)) if cut > 1 else 1 / variance + 1e-5
+        within = square <= (cut * np.minimum(blurs, there)) ** 2
+        weight = np.where(within & (max(abs(dx), abs(dy)) <= reach), weight, 0.0)
+        total += weight[..., None] * picture[tap]
+        weights += weight
+    blurred = total / np.maximum(weights, 1e-20)[..., None]
+    return np.where(blurs[..., None] > 0, blurred, picture)

@@ -1,4 +1,4 @@
-"""Comparison of a noisy image with a closed form."""
+"""Comparison of noisy images with closed forms."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Path-traced films against closed forms; none of these images may be noisy."""
+"""Path-traced films against closed forms; these images have no noise."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from oitbench.path_traced.export.scene import export
 from oitbench.path_traced.export.view import View
 from oitbench.path_traced.trace.integrators import trace
 from oitbench.path_traced.trace.render import render
-from oitbench.scene import RGB, Camera, Material, Mesh, Object, Scene, Texture
+from oitbench.scene import RGB, Camera, Material, Mesh, Object, Scene, Texture, as_vector
 from oitbench.scene.texturing import level_of_detail, lookup, premultiplied_pyramid
 from tests.path_traced.agreement import needs_mitsuba
 
@@ -40,20 +40,15 @@ def _materials(count: int, seed: int = 5) -> list[Material]:
     return [
         Material(
             coverage=float(random.uniform(0.05, 0.5)),
-            transmission=_rgb(random.random(3)),
-            emission=_rgb(random.uniform(0, 2, 3)),
+            transmission=as_vector(random.random(3)),
+            emission=as_vector(random.uniform(0, 2, 3)),
         )
         for _ in range(count)
     ]
 
 
-def _rgb(values: npt.ArrayLike) -> RGB:
-    red, green, blue = (float(value) for value in np.asarray(values))
-    return red, green, blue
-
-
 def _stack(materials: list[Material], camera: Camera = FRONT) -> Scene:
-    """Return films at z = 1, 0.9, …, which are submitted back to front."""
+    """Return films at z = 1, 0.9, …, in submission order from back to front."""
     films = [
         Object(f"film {i}", _quad(1 - 0.1 * i), material) for i, material in enumerate(materials)
     ]
@@ -96,7 +91,7 @@ def test_volpath_agrees_where_films_are_far_apart(variant: str | None) -> None:
 
 
 def _volpath(mitsuba: Any) -> Any:
-    """Return Mitsuba's volumetric path tracer, of unlimited depth, as an integrator."""
+    """Return Mitsuba's volumetric path tracer with unlimited depth as an integrator."""
     # Films count as no bounce, so neither the depth nor Russian roulette limits their number.
     volpath = mitsuba.load_dict({"type": "volpath", "max_depth": -1, "rr_depth": 1 << 20})
     sampler = mitsuba.load_dict({"type": "independent"})
@@ -111,7 +106,7 @@ def _volpath(mitsuba: Any) -> Any:
     return integrate
 
 
-def test_layers_a_hair_apart_are_all_hit_and_none_twice() -> None:
+def test_layers_that_are_very_close_are_each_hit_once() -> None:
     gap, count = 2e-6, 40
     film = Material(coverage=0.02, emission=(1.0, 1.0, 1.0), transmission=(0.0, 1.0, 1.0))
     films = tuple(Object(str(i), _quad(-gap * i, tilt=1.0), film) for i in range(count))
@@ -133,7 +128,7 @@ def test_films_closer_than_a_step_are_both_hit(variant: str | None) -> None:
     np.testing.assert_allclose(image, expected, atol=1e-5)
 
 
-def test_films_look_the_same_from_behind_in_reverse_order() -> None:
+def test_films_are_composited_in_reverse_order_from_behind() -> None:
     materials = _materials(5)
     behind = _stack(materials, Camera((0.0, 0.0, -4.0)))
     expected = np.broadcast_to(_composite(materials[::-1]), (4, 4, 3))
@@ -151,7 +146,7 @@ def test_a_clear_film_tints_the_background_and_an_opaque_one_hides_it() -> None:
     assert (render(black, (2, 2)).mean == 0).all()
 
 
-def test_a_hundred_films_are_not_cut_short() -> None:
+def test_the_number_of_films_is_not_limited() -> None:
     film = Material(coverage=0.01, emission=(1.0, 0.0, 0.0), transmission=(0.0, 1.0, 0.0))
     films = tuple(Object(str(i), _quad(1 - 0.02 * i), film) for i in range(100))
     scene = Scene("many", FRONT, films, background=(0.0, 1.0, 1.0))
@@ -200,7 +195,7 @@ def test_films_in_front_of_the_near_and_beyond_the_far_plane_are_not_drawn() -> 
 
 
 @pytest.mark.parametrize("shape", [(64, 64), (2, 128)])
-def test_textures_are_filtered_by_the_shared_rule(shape: tuple[int, int]) -> None:
+def test_textures_use_the_shared_filter(shape: tuple[int, int]) -> None:
     random = np.random.default_rng(8)
     emission = Texture(random.random((*shape, 3)).astype(np.float32))
     material = Material(Texture(random.random(shape).astype(np.float32)), (0.1, 0.5, 0.9), emission)

@@ -26,6 +26,7 @@ from oitbench.scene import (
     Scene,
     SpotLight,
     Texture,
+    unit,
 )
 from tests.path_traced.agreement import assert_mean, needs_mitsuba
 
@@ -51,11 +52,6 @@ def _points(camera: Camera = ABOVE) -> tuple[Floats, Floats]:
     return origins - directions * (origins[:, 1:2] / directions[:, 1:2]), -directions
 
 
-def _unit(vectors: npt.ArrayLike) -> Floats:
-    values = np.asarray(vectors, dtype=np.float64)
-    return np.asarray(values / np.linalg.norm(values, axis=-1, keepdims=True))
-
-
 def _schlick(reflectance: float, cosine: npt.ArrayLike) -> Floats:
     return np.asarray(reflectance + (1 - reflectance) * (1 - np.asarray(cosine)) ** 5)
 
@@ -68,7 +64,7 @@ def _image(scene: Scene) -> Floats:
 
 def test_a_lambert_plane_under_a_directional_light() -> None:
     scene = Scene("plane", ABOVE, (_floor(Material(albedo=PAPER)),), lights=(SUN,))
-    cosine = -_unit(SUN.direction)[1]
+    cosine = -unit(np.array(SUN.direction))[1]
     expected = np.multiply(PAPER, SUN.irradiance) / math.pi * cosine
     np.testing.assert_allclose(_image(scene), np.tile(expected, (30, 1)), atol=1e-4)
     below = dataclasses.replace(scene, camera=Camera((0.3, -4.0, 3.0)))
@@ -81,24 +77,24 @@ def test_the_cone_of_a_spot_light_fades_linearly_in_the_angle() -> None:
     points, _ = _points()
     offset = np.asarray(spot.position) - points
     squared = (offset**2).sum(axis=1)
-    axis = _unit(np.subtract(spot.target, spot.position))
-    angle = np.arccos(-_unit(offset) @ axis)
+    axis = unit(np.subtract(spot.target, spot.position))
+    angle = np.arccos(-unit(offset) @ axis)
     half = spot.angle / 2
     falloff = np.clip((half - angle) / (PENUMBRA * half), 0, 1)
     assert ((falloff > 0) & (falloff < 1)).any()
     assert (falloff == 0).any()
-    expected = np.outer(falloff / squared * _unit(offset)[:, 1], spot.intensity)
+    expected = np.outer(falloff / squared * unit(offset)[:, 1], spot.intensity)
     np.testing.assert_allclose(_image(scene), expected * PAPER / math.pi, atol=1e-4)
 
 
 @pytest.mark.parametrize("roughness", [0.35, 1.0])
-def test_a_highlight_is_that_of_the_formula(roughness: float) -> None:
+def test_a_highlight_equals_its_formula(roughness: float) -> None:
     gloss = Material(specular=0.3, roughness=roughness)
     light = DirectionalLight((-0.1, -1.0, -0.9), (1.0, 2.0, 3.0))
     scene = Scene("gloss", ABOVE, (_floor(gloss),), lights=(light,))
     _, v = _points()
-    toward = -_unit(light.direction)
-    half = _unit(v + toward)
+    toward = -unit(np.array(light.direction))
+    half = unit(v + toward)
     nl, nv, nh, hv = toward[1], v[:, 1], half[:, 1], (half * v).sum(axis=1)
     a2 = roughness**4
     density = a2 / (math.pi * (nh**2 * (a2 - 1) + 1) ** 2)
@@ -111,7 +107,7 @@ def test_a_shadow_through_panes_has_the_color_of_their_product() -> None:
     panes = [_floor(pane, 50.0, 5.0 + i) for i, pane in enumerate(PANES)]
     objects = (_floor(Material(albedo=PAPER)), *panes)
     scene = Scene("panes", ABOVE, objects, lights=(SUN,))
-    cosine = -_unit(SUN.direction)[1]
+    cosine = -unit(np.array(SUN.direction))[1]
     clear = np.multiply(PAPER, SUN.irradiance) / math.pi * cosine
     first = np.asarray(PANES[0].transmission) * (1 - _schlick(0.04, cosine))
     second = 0.3 + 0.7 * np.multiply(PANES[1].transmission, np.subtract(1, PANES[1].albedo))
@@ -150,7 +146,7 @@ def test_isotropic_particles_scatter_equally_to_all_sides() -> None:
         np.testing.assert_allclose(image, np.tile(expected, (30, 1)), rtol=1e-4)
 
 
-def test_one_layer_that_is_selected_represents_all() -> None:
+def test_particles_have_the_mean_of_all_layers() -> None:
     films = tuple(
         _floor(Material(0.5, transmission=(0.2, 0.5, 0.9), albedo=(0.2 * i, 0.4, 0.5)), 50, 0.1 * i)
         for i in range(4)
@@ -165,7 +161,7 @@ def test_one_layer_that_is_selected_represents_all() -> None:
 
 
 def _map() -> Texture:
-    """Return a map with red straight up, green to the right (+x) and blue straight ahead (−z)."""
+    """Return a map that is red upward, green to the right (+x) and blue ahead (−z)."""
     texels = np.full((16, 32, 3), 0.05, dtype=np.float32)
     texels[:3, :, 0] = 4.0
     texels[6:10, 22:26, 1] = 5.0
@@ -217,7 +213,7 @@ def _bilinear(values: npt.ArrayLike, axis: int, mode: Literal["edge", "wrap"]) -
     return np.moveaxis((1 - part) * padded[low] + part * padded[low + 1], 0, axis)
 
 
-def test_nothing_is_gained_or_lost_in_a_white_environment() -> None:
+def test_surfaces_in_a_white_environment_are_white() -> None:
     around = EnvironmentLight((1.0, 1.0, 1.0))
     white = Material(albedo=(1.0, 1.0, 1.0), specular=0.0)
     scene = Scene("furnace", ABOVE, (_floor(white),), lights=(around,))
@@ -240,7 +236,7 @@ def test_the_environment_is_hidden_by_a_lid() -> None:
 
 @pytest.mark.parametrize("shape", [(1, 1), (2, 1), (1, 4, 3)])
 @pytest.mark.parametrize("radiance", [0.0, 0.5])
-def test_the_smallest_maps_light_evenly(shape: tuple[int, ...], radiance: float) -> None:
+def test_maps_of_few_texels_light_uniformly(shape: tuple[int, ...], radiance: float) -> None:
     around = EnvironmentLight(Texture(np.full(shape, radiance, dtype=np.float32)))
     white = Material(albedo=(1.0, 1.0, 1.0))
     scene = Scene("even", ABOVE, (_floor(white),), lights=(around,))
@@ -253,7 +249,7 @@ def test_normals_are_interpolated_and_turned_to_the_eye() -> None:
     tilted = np.tile(np.array([0.6, 0.8, 0.0], dtype=np.float32), (4, 1))
     smooth = dataclasses.replace(floor, mesh=dataclasses.replace(floor.mesh, normals=tilted))
     scene = Scene("smooth", ABOVE, (smooth,), lights=(SUN,))
-    cosine = -_unit(SUN.direction) @ (0.6, 0.8, 0.0)
+    cosine = -unit(np.array(SUN.direction)) @ (0.6, 0.8, 0.0)
     expected = np.multiply(PAPER, SUN.irradiance) / math.pi * cosine
     facing = _points()[1] @ (0.6, 0.8, 0.0) > 0
     assert facing.any()

@@ -72,7 +72,7 @@ def test_thin_fog_scatters_once(anisotropy: float, varying: bool) -> None:
     cosine = -toward[2]
     phase = (1 - anisotropy**2) / (4 * math.pi)
     phase /= (1 + anisotropy**2 - 2 * anisotropy * cosine) ** 1.5
-    # Light that is scattered at the depth x has travelled x/cos in the fog and leaves it after x.
+    # Light that scatters at the depth x travels x/cos in the fog before and x after it.
     rate = factor * extinction
     slant = rate * (1 + 1 / toward[2])
     once = rate * phase * (1 - math.exp(-slant * depth)) / slant

@@ -27,7 +27,7 @@ def _scene(material: Material) -> Scene:
     return Scene("square", FRONT, (Object("square", SQUARE, material),))
 
 
-def test_statistics_are_those_of_numpy() -> None:
+def test_statistics_equal_those_of_numpy() -> None:
     samples = np.random.default_rng(2).random((5, 2, 3, 3)).astype(np.float32)
     statistics = _Statistics()
     for sample in samples:
@@ -40,7 +40,7 @@ def test_statistics_are_those_of_numpy() -> None:
 
 
 @needs_mitsuba
-def test_the_same_seed_gives_the_same_image_and_another_seed_another() -> None:
+def test_the_image_depends_on_the_seed() -> None:
     glass = dataclasses.replace(GLASS, solid=True)
     slab = Object("slab", box((0, 0, 0), (4, 4, 0.5)), glass)
     wall = Object("wall", quad((0, 0, -3), (9, 0, 0), (0, 9, 0)), Material(emission=(1, 1, 1)))

@@ -46,7 +46,7 @@ def test_a_slab_tints_by_its_thickness_and_reflects_by_fresnel() -> None:
     assert_mean(estimate, expected)
 
 
-def test_a_mean_path_through_front_and_back_is_tinted_twice() -> None:
+def test_the_mean_tint_of_a_solid_is_that_of_two_surfaces() -> None:
     """A solid of index almost 1 refracts no ray, so the mean chord of the rays is 4V/S."""
     faint = Material(transmission=(0.99, 0.98, 0.97), index=1.0001, roughness=0.0, solid=True)
     ball = sphere((0, 0, 0), 1.0, 64, 32)

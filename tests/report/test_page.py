@@ -11,10 +11,7 @@ from urllib.parse import unquote
 import numpy as np
 import pandas as pd
 import pytest
-from click.testing import CliRunner
 
-from oitbench.cli.report import command
-from oitbench.errors import UsageError
 from oitbench.plugins import Collection
 from oitbench.report import write
 from oitbench.results.records import Results
@@ -140,8 +137,3 @@ def test_a_missing_picture_affects_no_other(tmp_path: Path) -> None:
     page = write(tmp_path, tmp_path / "out", {"images": REPORTS["images"]})
     assert sum(link.endswith("glow.png") for link in links(page)) == 2
     assert not any(link.endswith("murk.png") for link in links(page))
-
-
-def test_the_command_refuses_folders_without_results(tmp_path: Path) -> None:
-    answer = CliRunner().invoke(command, [str(tmp_path / "no")])
-    assert isinstance(answer.exception, UsageError)

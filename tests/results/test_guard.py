@@ -1,7 +1,6 @@
-"""The methods still give what the committed baseline says, and a broken one turns red.
+"""The methods reproduce the committed baseline, and a broken method is a regression.
 
-Where a change is meant to move a metric or a count, `python -m tests.guard` writes the baseline
-anew.
+After an intended change of a metric or a count, rewrite the baseline with `python -m tests.guard`.
 """
 
 from __future__ import annotations
@@ -17,7 +16,7 @@ from oitbench.results.store import CELLS, read_cells
 from tests import guard
 
 
-def test_every_method_gives_what_the_baseline_says(tmp_path: Path) -> None:
+def test_every_method_reproduces_the_baseline(tmp_path: Path) -> None:
     guard.run(tmp_path)
     comparison = regression.compare(tmp_path, guard.BASELINE)
     assert comparison.passed, "\n".join(map(str, comparison.regressions))
@@ -32,7 +31,7 @@ def test_the_baseline_names_no_machine() -> None:
 
 
 def test_a_broken_shader_is_a_regression(tmp_path: Path) -> None:
-    """A resolve that loses a twentieth of the coverage must not pass."""
+    """The broken resolve loses a twentieth of the coverage."""
     method = tmp_path / "broken"
     shutil.copytree(own_folder() / "methods" / "weighted_blended", method)
     resolve = method / "resolve.glsl"

@@ -1,4 +1,4 @@
-"""The results folder survives killed runs, odd values and wrong folders."""
+"""The results folder: killed runs, damaged files, values without JSON and wrong folders."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from oitbench.results.store import CELLS, RUN, Store
 from tests.made_up import changed, failed, record
 
 
-def test_later_lines_supersede_earlier_ones(tmp_path: Path) -> None:
+def test_later_lines_replace_earlier_ones(tmp_path: Path) -> None:
     folder = tmp_path / "new" / "results"
     opened = Store.open(folder)
     opened.append(failed("a"))
@@ -34,7 +34,7 @@ def test_later_lines_supersede_earlier_ones(tmp_path: Path) -> None:
     assert Store.open(folder).records() == opened.records()
 
 
-def test_key_holds_scene_method_size_and_settings(tmp_path: Path) -> None:
+def test_the_key_has_scene_method_size_and_settings(tmp_path: Path) -> None:
     opened = Store.open(tmp_path)
     cells = [
         record(),
@@ -55,7 +55,7 @@ def test_key_holds_scene_method_size_and_settings(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     "tail", [b'{"scene": "s", "met', b"\x00\xff\x00", b'[1]\n"x"\n{}\n', b"\n"]
 )
-def test_damaged_lines_lose_no_others(
+def test_damaged_lines_do_not_affect_other_lines(
     tmp_path: Path, tail: bytes, caplog: pytest.LogCaptureFixture
 ) -> None:
     Store.open(tmp_path).append(record("before"))
@@ -67,7 +67,7 @@ def test_damaged_lines_lose_no_others(
     assert [r.method for r in Store.open(tmp_path).records()] == ["before", "after"]
 
 
-def test_no_line_holds_what_json_has_no_word_for(tmp_path: Path) -> None:
+def test_values_without_json_are_written_as_null(tmp_path: Path) -> None:
     opened = Store.open(tmp_path)
     opened.append(changed(record(), "outcome.scores.exact.metrics.x", math.nan))
     line = (tmp_path / CELLS).read_text()
@@ -76,7 +76,7 @@ def test_no_line_holds_what_json_has_no_word_for(tmp_path: Path) -> None:
     assert Store.open(tmp_path).records() == opened.records()
 
 
-def test_a_record_against_the_schema_is_a_bug_and_writes_nothing(tmp_path: Path) -> None:
+def test_a_record_that_violates_the_schema_is_not_written(tmp_path: Path) -> None:
     opened = Store.open(tmp_path)
     with pytest.raises(msgspec.ValidationError):
         opened.append(record(ssaa="two"))
@@ -89,7 +89,9 @@ OLD = '{"scene": "s", "method": "m", "size": [8, 4], "variant": {"ssaa": 2}, "st
 
 
 @pytest.mark.parametrize(("line", "version"), [(OLD, 0), ('{"schema": 99}', 99)])
-def test_results_of_another_version_get_one_line(tmp_path: Path, line: str, version: int) -> None:
+def test_results_of_another_version_are_refused_in_one_line(
+    tmp_path: Path, line: str, version: int
+) -> None:
     (tmp_path / CELLS).write_text(line + "\n")
     message = rf"cells\.jsonl was written by another version of oitbench \(schema {version}"
     for read in (Store.open, Results.load):
@@ -102,11 +104,11 @@ def test_results_of_another_version_get_one_line(tmp_path: Path, line: str, vers
         store.read_run(tmp_path / RUN)
 
 
-def test_the_schema_file_is_that_of_the_code() -> None:
+def test_the_schema_file_equals_that_of_the_code() -> None:
     assert schema.SCHEMA_FILE.read_text(encoding="utf-8") == schema.schema_text()
 
 
-def test_the_schema_describes_what_is_written(tmp_path: Path) -> None:
+def test_the_schema_has_the_fields_of_written_records(tmp_path: Path) -> None:
     content = schema.json_schema()
     Store.open(tmp_path).append(record())
     written = json.loads((tmp_path / CELLS).read_text())
@@ -118,11 +120,11 @@ def facts(renderer: str, seed: int = 1) -> RunFacts:
     return RunFacts(gl=Renderer(renderer), seed=seed)
 
 
-def test_run_facts(tmp_path: Path) -> None:
+def test_run_facts_of_another_renderer_are_refused(tmp_path: Path) -> None:
     opened = Store.open(tmp_path)
     opened.write_run(facts("one"))
     assert store.read_run(tmp_path / RUN) == facts("one")
-    # Without cells, nothing can be mixed up yet.
+    # A folder without cells accepts another renderer.
     opened.write_run(facts("two"))
     opened.append(record())
     opened.write_run(facts("two", seed=2))
@@ -131,7 +133,7 @@ def test_run_facts(tmp_path: Path) -> None:
     assert sorted(path.name for path in tmp_path.iterdir()) == [CELLS, "images", RUN]
 
 
-def test_damaged_run_facts_are_named(tmp_path: Path) -> None:
+def test_damaged_run_facts_are_refused(tmp_path: Path) -> None:
     (tmp_path / RUN).write_text("{")
     with pytest.raises(UsageError, match=r"run\.json is damaged"):
         store.read_run(tmp_path / RUN)
@@ -167,7 +169,7 @@ def test_image_paths_are_plain_and_distinct() -> None:
         assert len(path) < 180
 
 
-def test_facts_say_where_a_run_was() -> None:
+def test_facts_describe_the_machine() -> None:
     gl = Renderer("llvmpipe (LLVM 15)", version="4.5 (Core Profile) Mesa 22.3.6", software=True)
     found = machine.collect(gl, argv=["oitbench", "run"], seed=3, methods=["b", "a"])
     assert found.gl == gl
@@ -180,7 +182,7 @@ def test_facts_say_where_a_run_was() -> None:
     assert machine.collect(None, argv=[], seed=0).gl is None
 
 
-def test_software_renderers_are_known_by_name() -> None:
+def test_software_renderers_are_recognized_by_name() -> None:
     assert is_software("llvmpipe (LLVM 15)")
     assert not is_software("NVIDIA H100/PCIe/SSE2")
 

@@ -1,4 +1,4 @@
-"""The effects that a scene requests and a method expresses are rendered; others cost nothing."""
+"""Effects run if the scene requests them and the method expresses them; others cost nothing."""
 
 from __future__ import annotations
 
@@ -14,7 +14,6 @@ from oitbench.gl.device import Device
 from oitbench.matrix.cell import choose_effects
 from oitbench.method.declaration import Method
 from oitbench.modeling.mesh import quad
-from oitbench.plugins import Collection
 from oitbench.scene import (
     Camera,
     DirectionalLight,
@@ -27,6 +26,7 @@ from oitbench.scene import (
 from tests.helpers import (
     Layer,
     collection,
+    foreign_method,
     method,
     opened,
     random_lists,
@@ -71,7 +71,7 @@ def optional(tmp_path: Path) -> Method:
     shaders = {"gather": GATHER, "blur": BLUR, "plain": PLAIN, "diffuse": PLAIN}
     folder = write_method(tmp_path / "optional", "()", **shaders)
     (folder / "method.py").write_text(OPTIONAL)
-    return Collection.load().add_method(folder)()
+    return foreign_method(folder)
 
 
 def scene(transparent: Material, **more: Any) -> Scene:

@@ -1,4 +1,4 @@
-"""Wrong scenes are refused by name, when they are described."""
+"""Descriptions of scenes with wrong values are refused."""
 
 from __future__ import annotations
 
@@ -117,7 +117,7 @@ WRONG: list[tuple[Callable[[], object], str]] = [
 
 
 @pytest.mark.parametrize(("make", "message"), WRONG, ids=[message for _, message in WRONG])
-def test_wrong_values_are_refused_by_their_owner_and_name(
+def test_errors_name_the_owner_and_the_wrong_value(
     make: Callable[[], object], message: str
 ) -> None:
     with pytest.raises(SceneError, match=message):

@@ -1,4 +1,4 @@
-"""Bottles: four walls along a ray, no right order of objects, shadows towards the viewer."""
+"""Bottles: four walls along a ray, no correct order of objects, shadows toward the viewer."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ def test_a_ray_through_a_bottle_meets_four_walls(name: str) -> None:
     assert len(hits(mesh, middle + np.array([0, 0.003, 1]), (0, -0.003, -1))) == 4
 
 
-def test_bottles_overlap_in_depth_so_that_no_order_of_objects_is_right() -> None:
+def test_bottles_overlap_in_depth() -> None:
     scene = build("bottles[detail=0.1]")
     spans = sorted(
         (float(z.min()), float(z.max()))
@@ -47,7 +47,7 @@ def test_plastic_is_a_glossy_thin_film() -> None:
         assert max(material.transmission) / min(material.transmission) > 1.5
 
 
-def test_shadows_fall_towards_the_viewer() -> None:
+def test_shadows_fall_toward_the_viewer() -> None:
     scene = build("bottles[detail=0.1]")
     for item in scene.transparent:
         shadow = shadow_on_ground(scene, item)

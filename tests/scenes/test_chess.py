@@ -1,4 +1,4 @@
-"""Chess: one object for each color, and men in the middles of different squares."""
+"""Chess: one object for each color, and men in the centers of different squares."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def test_all_men_of_a_color_are_one_object() -> None:
     assert spans[1].min() < spans[0].max()
 
 
-def test_men_stand_apart_in_the_middles_of_squares() -> None:
+def test_men_stand_in_the_centers_of_different_squares() -> None:
     scene = build("chess[detail=0.1]")
     feet = []
     for item in scene.transparent:

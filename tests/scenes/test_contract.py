@@ -1,6 +1,6 @@
 """The contract of all scenes: building, documentation, effects and parameters.
 
-What is particular to one scene is tested in the file of that scene.
+Each scene also has a file of its own tests.
 """
 
 from __future__ import annotations
@@ -62,7 +62,7 @@ def all_triangles(scene: Scene) -> int:
 
 
 @pytest.mark.parametrize("case", CASES)
-def test_a_scene_builds_and_repeats_exactly(case: str) -> None:
+def test_building_a_scene_is_repeatable(case: str) -> None:
     label = with_detail(case, SMALL)
     first, second = (COLLECTION.build_scene(label) for _ in range(2))
     assert first.name.startswith(name_of(case))
@@ -120,7 +120,7 @@ def wrong_values(name: str, parameter: AnyParameter) -> Iterator[str]:
 
 
 def edge_values(parameter: AnyParameter) -> Iterator[str]:
-    """Yield the values at the edges of what the parameter allows, except expensive ones."""
+    """Yield the values at the bounds of the parameter, except expensive ones."""
     yield from map(text, parameter.choices)
     if isinstance(parameter.default, bool):
         yield from ("true", "false")
@@ -130,7 +130,7 @@ def edge_values(parameter: AnyParameter) -> Iterator[str]:
 
 
 @pytest.mark.parametrize("name", COLLECTION.scenes)
-def test_values_out_of_bounds_are_refused_by_the_parameters_name(name: str) -> None:
+def test_errors_about_values_out_of_bounds_name_the_parameter(name: str) -> None:
     parameters = COLLECTION.scenes[name].parameters
     for key, parameter in parameters.items():
         for value in wrong_values(key, parameter):
@@ -141,7 +141,7 @@ def test_values_out_of_bounds_are_refused_by_the_parameters_name(name: str) -> N
 
 
 @pytest.mark.parametrize("name", COLLECTION.scenes)
-def test_values_at_the_bounds_build_or_contradict_another_parameter(name: str) -> None:
+def test_values_at_the_bounds_are_accepted_or_contradict_another_parameter(name: str) -> None:
     for key, parameter in COLLECTION.scenes[name].parameters.items():
         for value in edge_values(parameter):
             label = f"{name}[{key}={value}" + ("]" if key == "detail" else f",detail={SMALL}]")
@@ -170,6 +170,6 @@ def test_detail_scales_the_number_of_triangles(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", COLLECTION.scenes)
-def test_a_scene_is_affordable(name: str) -> None:
+def test_the_number_of_triangles_is_limited(name: str) -> None:
     scene = build(f"{name}[detail={FULL}]")
     assert scene.lists is not None or all_triangles(scene) < MOST_TRIANGLES.get(name, 60_000)

@@ -1,6 +1,6 @@
 """The contract of all scenes: surfaces, light, smoke and fog.
 
-What is particular to one scene is tested in the file of that scene.
+Each scene also has a file of its own tests.
 """
 
 from __future__ import annotations
@@ -111,19 +111,19 @@ def test_surfaces_are_lit_or_have_light_baked_in_but_not_both(case: str) -> None
 
 
 @pytest.mark.parametrize("case", CASES)
-def test_surroundings_fill_the_shadows_and_few_objects_emit_light(case: str) -> None:
+def test_the_environment_lights_the_shadows_and_few_objects_emit_light(case: str) -> None:
     scene = small(case)
     if not scene.beams:
         return
     assert scene.environment is not None
     assert {item.name for item in scene.objects if emits(item)} == GLOWING.get(name_of(case), set())
     if len(scene.beams) == 1:
-        # Inclined, so that shadows are seen beside what casts them.
+        # Inclined light casts shadows beside the casters, where they are visible.
         assert 0.4 < toward_light(scene)[1] < 0.97
 
 
 @pytest.mark.parametrize("case", CASES)
-def test_spot_lights_are_not_inside_of_casters(case: str) -> None:
+def test_spot_lights_are_not_inside_casters(case: str) -> None:
     scene = small(case)
     opaque = [item.mesh for item in scene.opaque if item.casts]
     for light in scene.beams:

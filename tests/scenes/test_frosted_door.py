@@ -1,4 +1,4 @@
-"""Frosted door: people at two distances behind one pane, sharp things in front of it."""
+"""Frosted door: people at two distances behind one pane, sharp objects in front of it."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def test_only_the_hand_is_near_the_glass() -> None:
 
 
 @pytest.mark.parametrize("name", ["lettering", "frame", "office wall"])
-def test_sharp_things_cover_the_pane_from_the_front(name: str) -> None:
+def test_sharp_objects_are_in_front_of_the_pane(name: str) -> None:
     scene = build("frosted_door[detail=0.1]")
     mesh, eye = named(scene, name).mesh, np.asarray(scene.camera.position)
     pane = named(scene, "pane").mesh.positions
@@ -41,7 +41,7 @@ def test_sharp_things_cover_the_pane_from_the_front(name: str) -> None:
         assert not through or middle[2] > 0 or len(hits(mesh, eye, middle - eye)) > 1
 
 
-def test_lettering_is_in_front_of_the_pane_alone() -> None:
+def test_lettering_covers_only_the_pane() -> None:
     scene = build("frosted_door")
     letters, pane = named(scene, "lettering").mesh.positions, named(scene, "pane").mesh.positions
     assert 0 < letters[:, 2].min() <= letters[:, 2].max() < 0.02

@@ -1,4 +1,4 @@
-"""Frosted panes: collimation falls from left to right, all else is alike."""
+"""Frosted panes: the panes differ only in collimation, which falls from left to right."""
 
 from __future__ import annotations
 
@@ -15,7 +15,9 @@ def test_collimation_falls_from_left_to_right() -> None:
     panes = starting(build("frosted_panes[detail=0.1]"), "pane ")
     panes.sort(key=lambda item: float(item.mesh.positions[:, 0].mean()))
     collimations = [item.material.collimation for item in panes]
-    assert collimations == [1.0, 0.9, 0.75, 0.5, 0.25]
+    assert collimations[0] == 1.0
+    assert collimations == sorted(set(collimations), reverse=True)
+    assert len(panes) == 5
     assert all(not item.material.solid for item in panes)
     assert not any(item.material.tints for item in panes)
     spans = [bounds(item.mesh) for item in panes]
@@ -37,7 +39,7 @@ def test_each_box_touches_its_pane_and_each_teapot_is_behind_it(distance: str) -
         assert low[0] < (pot_low[0] + pot_high[0]) / 2 < high[0]
 
 
-def test_teapots_are_alike_and_the_distance_moves_them() -> None:
+def test_teapots_are_equal_and_the_distance_moves_them() -> None:
     near, far = (
         starting(build(f"frosted_panes[detail=0.1,distance={distance}]"), "teapot")
         for distance in ("0.5", "1")

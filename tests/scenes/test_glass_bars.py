@@ -1,4 +1,4 @@
-"""Glass bars: two grids, sorted exactly by object, of saturated colors."""
+"""Glass bars: two grids of saturated colors that can be sorted by object."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Light shafts: the sun enters through the windows alone, and colored light reaches the floor."""
+"""Light shafts: the sun enters only through windows, and colored light reaches the floor."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ def casters(scene: Scene) -> Mesh:
     return merge([item.mesh for item in scene.opaque if item.casts])
 
 
-def test_the_sun_enters_through_the_windows_alone() -> None:
+def test_the_sun_enters_only_through_the_windows() -> None:
     scene = build("light_shafts[detail=0.3]")
     blocking, toward = casters(scene), toward_light(scene)
     assert toward[2] < 0  # the sun is in front of the camera

@@ -1,4 +1,4 @@
-"""Shadow trio: a cloud and a ball side by side, with their shadows in plain view."""
+"""Shadow trio: a cloud and a ball side by side, with visible shadows."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from tests.meshes import bounds, hits
 from tests.scenes.helpers import build, named, seen, shadow_on_ground
 
 
-def test_shadows_are_in_plain_view() -> None:
+def test_shadows_are_visible() -> None:
     scene = build("shadow_trio")
     for item in scene.transparent:
         shadow = shadow_on_ground(scene, item)

@@ -1,4 +1,4 @@
-"""Smoke and glass: nearly all fragments are smoke, and glass is in the middle of it."""
+"""Smoke and glass: nearly all fragments are smoke, with glass in the middle of it."""
 
 from __future__ import annotations
 

@@ -51,7 +51,7 @@ def test_ice_stays_within_its_glass() -> None:
     assert reach.max() < at_floor
 
 
-def test_the_spot_light_casts_shadows_towards_the_viewer() -> None:
+def test_the_spot_light_casts_shadows_toward_the_viewer() -> None:
     scene = build("tumblers[detail=0.1]")
     (spot,) = scene.beams
     assert isinstance(spot, SpotLight)

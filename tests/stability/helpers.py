@@ -7,11 +7,10 @@ from typing import Any
 
 from oitbench.gl.device import Device
 from oitbench.method.declaration import Method
-from oitbench.plugins import Collection
 from oitbench.stability import suite
 from oitbench.stability.check import Check
 from oitbench.stability.result import HOLDS, CheckResult, Status
-from tests.helpers import collection, method, write_method
+from tests.helpers import collection, foreign_method, method, write_method
 
 CHECKS = {check.name: check for check in suite.checks()}
 COVERAGE = "expresses = Effect.COVERAGE\n"
@@ -24,23 +23,18 @@ def examine(device: Device, chosen: Method | str, *checks: str | Check) -> list[
     return suite.run(device, collection(), [chosen], selected)
 
 
-def load(folder: Path) -> Method:
-    """Return the method in a folder; the shared collection does not learn of it."""
-    return Collection.load().add_method(folder)()
-
-
 def writing(folder: Path, color: str) -> Method:
     """Return a method that writes `color`, an expression in GLSL, for each fragment.
 
     It promises `single_layer_exact`.
     """
-    write_method(
+    written = write_method(
         folder / "writing",
         '(Gather("gather.glsl", writes={"color": REPLACE}),)',
         members=f'{COVERAGE}promises = promise("single_layer_exact")',
         gather=f"void gather(Fragment fragment) {{ color = {color}; }}",
     )
-    return load(folder / "writing")
+    return foreign_method(written)
 
 
 def made_up(check: str = "swept layer", status: Status = HOLDS, **facts: Any) -> CheckResult:

@@ -14,7 +14,7 @@ from tests.helpers import collection
 from tests.stability.helpers import CHECKS, examine, writing
 
 
-def test_hard_cases_are_no_identities() -> None:
+def test_hard_cases_are_all_checks_that_are_not_identities() -> None:
     assert [check.name for check in cases()] == [c.name for c in CHECKS.values() if not c.identity]
 
 

@@ -15,8 +15,8 @@ from oitbench.stability.layers import SIDE
 from oitbench.stability.render import UploadedScenes
 from oitbench.stability.resolution import reach
 from oitbench.stability.result import BREAKS, DOES_NOT_APPLY, HOLDS, Status
-from tests.helpers import method, opened, write_method
-from tests.stability.helpers import CHECKS, COVERAGE, examine, load, writing
+from tests.helpers import foreign_method, method, opened, write_method
+from tests.stability.helpers import CHECKS, COVERAGE, examine, writing
 
 SHIFT = """void resolve() {{
     ivec2 pixel = ivec2(gl_FragCoord.xy);
@@ -37,7 +37,7 @@ def shifting(folder: Path, pixels: str) -> None:
 
 
 def test_the_identities_are_those_that_methods_may_promise() -> None:
-    assert [check.name for check in identities()] == list(PROMISES)
+    assert [(check.name, check.sentence) for check in identities()] == list(PROMISES.items())
     assert all(check.identity for check in identities())
 
 
@@ -55,7 +55,7 @@ def test_a_change_of_alpha_breaks_the_opaque_picture(device: Device, tmp_path: P
         alpha="void resolve() { color = vec4("
         "read_opaque_color(ivec2(gl_FragCoord.xy)).rgb, 0.25); }",
     )
-    (found,) = examine(device, load(tmp_path / "alpha"), "opaque_unchanged")
+    (found,) = examine(device, foreign_method(tmp_path / "alpha"), "opaque_unchanged")
     assert (found.status, found.promised, found.failed) == (BREAKS, True, True)
     assert found.error == 0.75
 
@@ -97,7 +97,7 @@ def test_offsets_of_a_fixed_number_of_pixels_depend_on_the_resolution(
     device: Device, tmp_path: Path, pixels: str, status: Status
 ) -> None:
     shifting(tmp_path / "shifting", pixels)
-    (found,) = examine(device, load(tmp_path / "shifting"), "resolution_independent")
+    (found,) = examine(device, foreign_method(tmp_path / "shifting"), "resolution_independent")
     assert (found.status, found.failed) == (status, status == BREAKS)
 
 

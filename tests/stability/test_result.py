@@ -27,5 +27,7 @@ from tests.stability.helpers import made_up
         (HOLDS, {"repeatable": False}, True),
     ],
 )
-def test_failures(status: Status, facts: dict[str, Any], failed: bool) -> None:
+def test_results_that_count_as_failures(
+    status: Status, facts: dict[str, Any], failed: bool
+) -> None:
     assert made_up(status=status, **facts).failed == failed

@@ -15,8 +15,8 @@ from oitbench.stability.cases.weights import SWEEP
 from oitbench.stability.check import Check, Expectation, Shot
 from oitbench.stability.layers import Layer, columns, scene_of
 from oitbench.stability.result import BREAKS, DOES_NOT_APPLY, HOLDS, CheckResult
-from tests.helpers import collection, method, write_method
-from tests.stability.helpers import CHECKS, COVERAGE, examine, load, writing
+from tests.helpers import collection, foreign_method, method, write_method
+from tests.stability.helpers import CHECKS, COVERAGE, examine, writing
 
 
 def test_all_choices_of_precision_are_variants() -> None:
@@ -26,7 +26,7 @@ def test_all_choices_of_precision_are_variants() -> None:
     assert len(labels) == len(set(labels))
 
 
-def test_variants_come_in_one_order() -> None:
+def test_variants_have_a_fixed_order() -> None:
     assert [m.label for m in suite.variants(collection(), ["weighted_average"])] == [
         "weighted_average",
         "weighted_average[precision=float]",
@@ -94,7 +94,7 @@ def test_an_image_that_changes_between_runs_fails(device: Device, tmp_path: Path
             color = vec4(float(add_seen_count(pixel_index(), 1u) % 7u) / 8.0);
         }""",
     )
-    (found,) = examine(device, load(tmp_path / "counting"), "swept layer")
+    (found,) = examine(device, foreign_method(tmp_path / "counting"), "swept layer")
     assert (found.repeatable, found.failed) == (False, True)
     assert summary.faults([found]) == ["swept layer: the image changes between runs"]
 

@@ -1,4 +1,4 @@
-"""Counts and faults in words."""
+"""Tables of counts, and descriptions of faults."""
 
 from __future__ import annotations
 
@@ -72,7 +72,7 @@ class Case:
         Case(HOLDS, {"nonfinite": Nonfinite(negative=3), "may_be_negative": True}, []),
     ],
 )
-def test_faults_in_words(case: Case) -> None:
+def test_faults_are_described(case: Case) -> None:
     assert summary.faults([made_up(status=case.status, **case.facts)]) == case.faults
 
 

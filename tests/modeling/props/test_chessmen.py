@@ -1,4 +1,4 @@
-"""Chess pieces: their heights and what tells them apart."""
+"""Chess pieces: heights and shapes."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def test_pieces_stand_on_the_board_with_heights_in_the_usual_order() -> None:
     ]
 
 
-def test_the_knight_looks_ahead_and_round_pieces_are_round() -> None:
+def test_the_knight_faces_forward_and_other_pieces_are_round() -> None:
     for name in ("pawn", "bishop", "queen"):
         radii = np.hypot(*chessmen.piece(name, 1.0, 0.3).positions[:, [0, 2]].T)
         assert len(np.unique(radii.round(5))) < len(radii) / 4

@@ -1,4 +1,4 @@
-"""Solid props: closed, turned outwards, and finer with detail."""
+"""Solid props are closed, have outward normals, and become finer with detail."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ SOLIDS: dict[str, Callable[[float], Mesh]] = {
 
 @pytest.mark.parametrize("detail", [0.05, 0.3, 1.0])
 @pytest.mark.parametrize("name", SOLIDS)
-def test_solids_are_watertight_and_turned_outwards(name: str, detail: float) -> None:
+def test_solids_are_watertight_with_outward_normals(name: str, detail: float) -> None:
     mesh = SOLIDS[name](detail)
     assert not len(boundary(mesh))
     assert signed_volume(mesh) > 0
@@ -33,7 +33,7 @@ def test_solids_are_watertight_and_turned_outwards(name: str, detail: float) -> 
 
 
 @pytest.mark.parametrize("name", SOLIDS)
-def test_normals_are_on_the_side_of_the_winding(name: str) -> None:
+def test_normals_agree_with_the_winding(name: str) -> None:
     assert (agreement(SOLIDS[name](1.0)) > 0).all()
 
 

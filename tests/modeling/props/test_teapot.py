@@ -1,4 +1,4 @@
-"""The teapot is the one of Utah."""
+"""The Utah teapot (Newell 1975): its patches, size and volume."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from tests.meshes import agreement, boundary, bounds, signed_volume
 def test_the_teapot_has_32_patches_that_share_control_points() -> None:
     control = patches()
     assert control.shape == (32, 4, 4, 3)
-    # 17 rings of 12 and 3 points on the axis; 7 rings of 6 for each tube, of which one point, the
-    # foot of the handle, is on the body as well.
+    # 17 rings of 12 points and 3 points on the axis; 7 rings of 6 points for each of two tubes. One
+    # point, at the foot of the handle, belongs to the body too.
     distinct = np.unique(control.reshape(-1, 3).round(6), axis=0)
     assert len(distinct) == 17 * 12 + 3 + 2 * 7 * 6 - 1
 
@@ -29,12 +29,12 @@ def test_the_teapot_has_its_size_and_its_spout_along_x() -> None:
 
 
 def test_the_teapot_keeps_its_volume() -> None:
-    # Of body, lid, handle and spout together, in cubic units: any moved control point changes it.
+    # In cubic units, with lid, handle and spout. A changed control point changes the volume.
     assert signed_volume(teapot(3.15, 1.0)) == pytest.approx(25.6806, rel=1e-4)
 
 
 @pytest.mark.parametrize("detail", [1.0, 4.0])
-def test_the_teapot_is_turned_outwards(detail: float) -> None:
+def test_the_teapot_has_outward_normals(detail: float) -> None:
     mesh = teapot(1.0, detail)
     assert (agreement(mesh) > 0).all()
     assert signed_volume(mesh) > 0

@@ -1,0 +1,29 @@
+"""`oitbench list`: methods, scenes and their parameters."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+from tests.cli.helpers import Call
+
+
+def test_methods_scenes_and_parameters_are_listed(call: Call) -> None:
+    answer = call("list", "methods", "--json")
+    assert answer.code == 0
+    methods = {entry["name"]: entry for entry in json.loads(answer.out)}
+    assert methods["a_buffer"]["parameters"]["node"]["choices"] == ["precise", "compact"]
+    assert methods["a_buffer"]["title"].startswith("A-buffer")
+    answer = call("list")
+    assert answer.code == 0
+    assert "layer_stack" in answer.out
+    assert "colored_transmission" in answer.out
+
+
+def test_a_broken_plugin_is_listed_as_such(call: Call, tmp_path: Path) -> None:
+    (tmp_path / "methods" / "unreadable").mkdir(parents=True)
+    (tmp_path / "methods" / "unreadable" / "method.py").write_text("this is no Python\n")
+    answer = call("list", "methods", "--collection", tmp_path)
+    assert answer.code == 0
+    assert "cannot be loaded" in answer.out
+    assert "a_buffer" in answer.out

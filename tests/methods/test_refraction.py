@@ -1,0 +1,91 @@
+"""Refraction by phenomenological transparency: offsets of the background."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from oitbench.effects import Effect
+from oitbench.gl.device import Device
+from oitbench.modeling.mesh import sphere
+from oitbench.scene import Material, Object, Scene
+from tests.helpers import opened
+from tests.methods.sheets import (
+    CAMERA,
+    CLEAR,
+    FLOAT,
+    FOCAL,
+    SIZE,
+    read,
+    sheet_scene,
+    wall,
+    with_parameter,
+)
+from tests.models import phenomenological as model
+from tests.models.view import rays
+
+
+@pytest.mark.parametrize("tilt", [0.0, 0.4, -0.7])
+@pytest.mark.parametrize("index", [1.31, 1.5, 2.4])
+def test_offsets_follow_snell(device: Device, tilt: float, index: float) -> None:
+    scene = sheet_scene(replace(CLEAR, index=index, solid=True), tilt=tilt)
+    with opened(device, scene, with_parameter("reach=paper"), SIZE) as frame:
+        found = read(frame, "delta").astype(np.float64) * (1, -1)  # rows run down
+    ray = rays(CAMERA, SIZE)
+    normal = np.array([-math.sin(tilt), 0, math.cos(tilt)])
+    position = ray * (-2.0 * normal[2] / (ray @ normal))[..., None]
+    toward_eye = -ray / np.linalg.norm(ray, axis=-1, keepdims=True)
+    direction = model.bent(toward_eye, np.broadcast_to(normal, ray.shape), 1 / index)
+    # The direction of the bent ray, from its offset in a plane 2 m behind the surface.
+    shifted = ray[..., :2] + found * (1, -1) / FOCAL
+    target = np.concatenate([shifted, -np.ones((*ray.shape[:2], 1))], axis=-1)
+    target *= 2.0 - position[..., 2:]
+    recovered = target - position
+    recovered /= np.linalg.norm(recovered, axis=-1, keepdims=True)
+    np.testing.assert_allclose(recovered, direction, rtol=0, atol=1e-5)
+    sines = [np.linalg.norm(np.cross(d, normal), axis=-1) for d in (recovered, toward_eye)]
+    np.testing.assert_allclose(sines[0], sines[1] / index, rtol=0, atol=1e-5)
+
+
+def test_rays_without_a_change_of_index_or_an_angle_are_not_bent(device: Device) -> None:
+    forced = Effect.COVERAGE | Effect.REFRACTION
+    with opened(device, sheet_scene(CLEAR, tilt=0.5), FLOAT, SIZE, effects=forced) as frame:
+        assert not read(frame, "delta").any()
+    # Every ray meets a sphere around the eye perpendicularly.
+    glass = replace(CLEAR, index=1.5, solid=True)
+    bubble = Object("bubble", sphere((0, 0, 0), 2.0, 96, 48), glass)
+    with opened(device, Scene("bubble", CAMERA, (wall(), bubble)), FLOAT, SIZE) as frame:
+        assert abs(read(frame, "delta")).max() < 1e-3
+
+
+def test_rays_are_traced_to_the_background_or_over_two_meters(device: Device) -> None:
+    glass = replace(CLEAR, index=1.5, solid=True)
+    offsets = {}
+    for behind in (3.0, 5.0):
+        for reach in ("background", "paper"):
+            scene = sheet_scene(glass, z=2.0, behind=behind, tilt=0.5)
+            with opened(device, scene, with_parameter(f"reach={reach}"), SIZE) as frame:
+                offsets[behind, reach] = read(frame, "delta")
+    np.testing.assert_array_equal(offsets[3.0, "paper"], offsets[5.0, "paper"])
+    assert abs(offsets[3.0, "background"]).max() < abs(offsets[5.0, "background"]).max()
+
+
+@pytest.mark.parametrize("offset", ["alpha", "net", "normalized"])
+def test_offsets_are_weighted_by_the_chosen_rule(device: Device, offset: str) -> None:
+    glass = Material(
+        coverage=0.5, transmission=(0.6, 0.6, 0.6), specular=0.0, index=1.5, solid=True
+    )
+    values = {}
+    for coverage in (0.5, 1.0):
+        scene = sheet_scene(replace(glass, coverage=coverage), tilt=0.4)
+        with opened(device, scene, with_parameter(f"offset={offset}"), SIZE) as frame:
+            delta = read(frame, "delta")
+            values[coverage] = delta / frame.read("bending") if offset == "normalized" else delta
+    part = {"alpha": 0.5, "net": 0.5, "normalized": 1.0}[offset]
+    np.testing.assert_allclose(values[0.5], part * values[1.0], rtol=1e-5)
+    scale = {"alpha": 1.0, "net": 0.4, "normalized": 1.0}[offset]
+    with opened(device, sheet_scene(replace(glass, coverage=1.0), tilt=0.4), FLOAT, SIZE) as frame:
+        np.testing.assert_allclose(values[1.0], scale * read(frame, "delta"), rtol=1e-4)
