@@ -38,7 +38,7 @@ REQUESTED_BY: Mapping[Effect, str] = {
     Effect.CAUSTICS: "a light and a refracting caster",
     Effect.VOLUME: "a participating medium",
     Effect.AMBIENT_OCCLUSION: "a radius within which surfaces hide the environment from each other",
-    Effect.INFERRED_AO: "such a radius and foliage of binary coverage",
+    Effect.INFERRED_AO: "such a radius and surfaces of binary coverage",
 }
 """The content of a scene that requests each effect."""
 

@@ -35,7 +35,7 @@ def test_wrong_input_is_refused_and_nothing_is_written(
     ("scene", "message"),
     [
         ("poisoned", "background holds NaN or infinity"),
-        ("raiser", "scene raiser: ValueError: the scene is unwell"),
+        ("raiser", "raiser.py:14: ValueError: the scene is unwell"),
     ],
 )
 def test_a_scene_that_cannot_be_built_is_refused(
