@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import json
 from pathlib import Path
 from typing import Any
@@ -73,6 +74,8 @@ def _entries(collection: Collection, kind: str) -> list[dict[str, Any]]:
             {"name": str(effect.name).lower(), "title": f"requested by {reason}"}
             for effect, reason in REQUESTED_BY.items()
         ]
+    if kind == "reports":
+        return [_report(name, collection.reports.path(name)) for name in collection.reports]
     plugins = getattr(collection, kind)
     return [_entry(plugins, name) for name in plugins]
 
@@ -81,15 +84,29 @@ def _entry(plugins: Any, name: str) -> dict[str, Any]:
     try:
         plugin = plugins[name]
     except DeclarationError as error:
-        return {"name": name, "title": f"cannot be loaded: {error}"}
-    doc = plugin.doc if hasattr(plugin, "doc") else plugin.__doc__
-    title = (doc or "").strip().partition("\n")[0]
-    parameters = getattr(plugin, "parameters", {})
+        return _broken(name, error)
     return {
         "name": name,
-        "title": title,
-        "parameters": {key: _parameter(value) for key, value in parameters.items()},
+        "title": _title(plugin.doc if hasattr(plugin, "doc") else plugin.__doc__),
+        "parameters": {key: _parameter(value) for key, value in plugin.parameters.items()},
     }
+
+
+def _report(name: str, path: Path) -> dict[str, Any]:
+    """Return the entry of a report; the file is only parsed, since importing reports is slow."""
+    try:
+        doc = ast.get_docstring(ast.parse(path.read_bytes()))
+    except (SyntaxError, ValueError) as error:
+        return _broken(name, error)
+    return {"name": name, "title": _title(doc), "parameters": {}}
+
+
+def _broken(name: str, error: Exception) -> dict[str, Any]:
+    return {"name": name, "title": f"cannot be loaded: {error}"}
+
+
+def _title(doc: str | None) -> str:
+    return (doc or "").strip().partition("\n")[0]
 
 
 def _parameter(parameter: AnyParameter) -> dict[str, Any]:
