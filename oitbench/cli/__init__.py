@@ -9,7 +9,7 @@ import os
 import signal
 import sys
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 
 import click
 
@@ -79,19 +79,20 @@ def main() -> None:
 def _run() -> int:
     """Run the command line and return its exit code."""
     try:
-        group.main(standalone_mode=False)
+        # `group.main` would hide a closed pipe.
+        with group.make_context("oitbench", sys.argv[1:]) as context:
+            group.invoke(context)
         if sys.stdout is not None:
             sys.stdout.flush()
     except click.exceptions.Exit as stop:
         return stop.exit_code
-    except SystemExit as stop:
-        if not isinstance(stop.__context__, BrokenPipeError):
-            raise
-        _discard_output()
-        return 128 + signal.SIGPIPE
     except BrokenPipeError:
-        _discard_output()
-        return 128 + signal.SIGPIPE
+        return _end_of_pipe()
+    except SystemExit as stop:
+        # This is how rich reports a closed pipe.
+        if isinstance(stop.__context__, BrokenPipeError):
+            return _end_of_pipe()
+        raise
     except click.ClickException as error:
         return _complain(error.format_message(), error.exit_code)
     except OitbenchError as error:
@@ -102,16 +103,22 @@ def _run() -> int:
         _discard_output()
         return _complain(f"the output cannot be written ({error.strerror}); free some space")
     except (KeyboardInterrupt, click.exceptions.Abort) as error:
-        cause = error.__cause__ if isinstance(error, click.exceptions.Abort) else error
-        number = cause.args[0] if isinstance(cause, _SignalError) else signal.SIGINT
+        number = error.args[0] if isinstance(error, _SignalError) else signal.SIGINT
         advice = "stopped; finished cells are kept, run again to resume"
         return _complain(advice, 128 + number)
     return 0
 
 
 def _complain(message: str, code: int = 2) -> int:
-    click.echo(f"oitbench: {message}", err=True)
+    with suppress(OSError):
+        click.echo(f"oitbench: {message}", err=True)
     return code
+
+
+def _end_of_pipe() -> int:
+    """Return the exit code of programs whose reader has gone, as in `oitbench list | head -1`."""
+    _discard_output()
+    return 128 + signal.SIGPIPE
 
 
 def _accept_all_characters() -> None:
@@ -123,6 +130,10 @@ def _accept_all_characters() -> None:
 
 def _discard_output() -> None:
     """Discard what is still buffered, which cannot be written when Python exits either."""
+    if sys.stdout is None:
+        return
+    with suppress(OSError):
+        sys.stdout.flush()
     nothing = os.open(os.devnull, os.O_WRONLY)
     os.dup2(nothing, sys.stdout.fileno())
     os.close(nothing)

@@ -104,6 +104,7 @@ def command(
                     f"{record.status}: {cell.scene} {cell.method}: {record.reason}",
                     markup=False,
                     highlight=False,
+                    soft_wrap=True,
                 )
 
         summary = run_matrix(matrix, show)
