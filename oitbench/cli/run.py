@@ -7,6 +7,7 @@ from pathlib import Path
 import click
 
 from oitbench.cli import options
+from oitbench.matrix.plan import CELL_SECONDS
 
 
 @click.command()
@@ -40,7 +41,11 @@ from oitbench.cli import options
     help="Folder of the results.",
 )
 @click.option("--force", is_flag=True, help="Run finished cells again.")
-@click.option("--timeout", type=float, help="Seconds that one cell may take. Default: no limit.")
+@options.timeout(
+    CELL_SECONDS,
+    "Seconds that each step of a cell may take: building its scene, path tracing it, drawing.",
+)
+@options.memory
 @click.option(
     "--workers",
     type=click.IntRange(1),
@@ -66,6 +71,7 @@ def command(
     out: Path,
     force: bool,
     timeout: float | None,
+    memory_gib: float | None,
     workers: int,
     seed: int,
     collections: tuple[Path, ...],
@@ -84,7 +90,7 @@ def command(
 
     matrix = plan_matrix(
         scenes, methods, preset, size, effects, ssaa, out, collections, seed, force,
-        timeout, workers,
+        timeout, workers, memory_gib,
     )  # fmt: skip
     console = Console(stderr=True)
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn())
@@ -98,6 +104,7 @@ def command(
                     f"{record.status}: {cell.scene} {cell.method}: {record.reason}",
                     markup=False,
                     highlight=False,
+                    soft_wrap=True,
                 )
 
         summary = run_matrix(matrix, show)

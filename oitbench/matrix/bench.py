@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -37,8 +37,14 @@ from oitbench.results.schema import (
 )
 from oitbench.results.store import image_path
 from oitbench.scene import Scene
+from oitbench.workers.messages import Step
 
 _LEFT_OUT = "left out of this run"
+_BUILDING = Step("building the scene", shared=True)
+_DRAWING_TRUTH = Step("drawing the exact truth", shared=True)
+_DRAWING = Step("drawing and scoring the picture")
+_PATH_TRACING = Step("path tracing the scene", shared=True)
+_TIMING = Step("timing the scene")
 
 
 @dataclass
@@ -97,10 +103,17 @@ class Bench:
     collection : Collection
     folder : Path
         The results folder, below which images are written.
+    on_step : callable
+        Called when a part of the work begins that may take long.
     """
 
-    def __init__(self, collection: Collection, folder: Path) -> None:
-        self.collection, self.folder = collection, folder
+    def __init__(
+        self,
+        collection: Collection,
+        folder: Path,
+        on_step: Callable[[Step], None] = lambda step: None,
+    ) -> None:
+        self.collection, self.folder, self._on_step = collection, folder, on_step
         self.device = Device()
         self.watch = Stopwatch()
         self._stage: _Stage | None = None
@@ -148,6 +161,7 @@ class Bench:
         fine = (cell.size[0] * cell.ssaa, cell.size[1] * cell.ssaa)
         check_size(self.device, fine)
         stage = self._prepare(cell)
+        self._on_step(_DRAWING)
         scene, uploaded = stage.scene, stage.uploaded
         requested = choose_effects(cell.effects, scene.effects)
         effects = requested & method.shows
@@ -165,6 +179,7 @@ class Bench:
         )
         scores = {EXACT: Scores(exact | spread), PATH_TRACED: Scores(reason=_LEFT_OUT)}
         if path_traced:
+            self._on_step(_PATH_TRACING)
             scores[PATH_TRACED] = self._score_path_traced(cell, scene, image, images)
         return Outcome(
             parameters=method.values,
@@ -193,7 +208,9 @@ class Bench:
             return stage
         self.leave_scene()
         with self.watch.running("rendering"), ExitStack() as stack:
+            self._on_step(_BUILDING)
             scene = self.collection.build_scene(cell.scene)
+            self._on_step(_DRAWING_TRUTH)
             uploaded = stack.enter_context(UploadedScene(self.device, scene))
             truth = self.collection.truth()
             fine = (cell.size[0] * cell.ssaa, cell.size[1] * cell.ssaa)
@@ -244,8 +261,10 @@ class Bench:
     def time(self, cells: Sequence[Cell], rounds: int, budget: float) -> list[Time]:
         """Time the cells of one scene against each other; return their times in order."""
         with self.watch.running("rendering"), ExitStack() as stack:
+            self._on_step(_BUILDING)
             scene = self.collection.build_scene(cells[0].scene)
             uploaded = stack.enter_context(UploadedScene(self.device, scene))
+            self._on_step(_TIMING)
             frames: dict[str, Frame] = {}
             for cell in cells:
                 (method,) = self.collection.expand_methods([cell.method])

@@ -18,11 +18,11 @@ from oitbench.errors import OitbenchError
 from oitbench.matrix import machine
 from oitbench.matrix.cell import Cell
 from oitbench.matrix.plan import Matrix, plan_matrix
-from oitbench.matrix.pool import WorkerError, WorkerProcess
+from oitbench.matrix.pool import WorkerProcess
 from oitbench.matrix.worker import CellDone, CellsTimed, Greeting, Hello, RunCell, TimeCells
-from oitbench.plugins import Collection
 from oitbench.results.schema import Record
 from oitbench.results.store import Store
+from oitbench.workers.process import WorkerError
 
 OnRecord = Callable[[Cell, Record], None]
 _KINDS = ("rendering", "metrics", "references")
@@ -106,13 +106,14 @@ def run_matrix(matrix: Matrix, on_record: OnRecord = lambda cell, record: None) 
     summary = Summary()
     store = Store.open(matrix.out)
     pool = [
-        WorkerProcess(matrix.collections, matrix.method_folders, matrix.out)
+        WorkerProcess(matrix.collections, matrix.method_folders, matrix.out, matrix.memory_limit)
         for _ in range(matrix.workers)
     ]
     try:
-        names = list(Collection.load(matrix.collections).methods)
         greeting = pool[0].ask(Hello(), Greeting)
-        facts = machine.collect(greeting.gl, argv=sys.argv, seed=matrix.seed, methods=names)
+        facts = machine.collect(
+            greeting.gl, argv=sys.argv, seed=matrix.seed, methods=matrix.methods
+        )
         store.write_run(facts)
         todo = [cell for cell in matrix.cells if matrix.force or not _rendered(store, cell)]
         summary.kept = len(matrix.cells) - len(todo)
@@ -160,10 +161,17 @@ def _render_all(
 
     def render_scene(cells: list[Cell]) -> None:
         worker = free.get()
+        lost: WorkerError | None = None
         try:
             for cell in cells:
                 if not stopped.is_set():
-                    finished.put((cell, _render(worker, cell, matrix)))
+                    try:
+                        done = _render(worker, cell, matrix, lost)
+                    except WorkerError as error:
+                        done = _unanswered(cell, error)
+                        # The other cells need the same part, which would fail again.
+                        lost = error if error.shared else None
+                    finished.put((cell, done))
         except BaseException as error:
             finished.put(error)
         finally:
@@ -189,14 +197,24 @@ def _render_all(
             raise
 
 
-def _render(worker: WorkerProcess, cell: Cell, matrix: Matrix) -> CellDone:
+def _render(
+    worker: WorkerProcess, cell: Cell, matrix: Matrix, lost: WorkerError | None
+) -> CellDone:
+    if cell in matrix.unusable:
+        return CellDone(cell.record("failed", matrix.unusable[cell]), {})
+    if lost is not None:
+        return _unanswered(cell, lost)
     try:
         request = RunCell(cell, matrix.preset.path_traced)
         return worker.ask(request, CellDone, matrix.timeout)
-    except WorkerError as error:
-        return CellDone(cell.record("timeout" if error.timeout else "failed", str(error)), {})
+    except WorkerError:
+        raise
     except OitbenchError as error:
         return CellDone(cell.record("failed", str(error)), {})
+
+
+def _unanswered(cell: Cell, error: WorkerError) -> CellDone:
+    return CellDone(cell.record("timeout" if error.timeout else "failed", str(error)), {})
 
 
 def _time_all(

@@ -4,10 +4,6 @@ from __future__ import annotations
 
 import json
 import shutil
-import signal
-import subprocess
-import sys
-import time
 from itertools import product
 from pathlib import Path
 from typing import Any
@@ -159,34 +155,10 @@ def test_failed_cells_are_run_again(plugins: Path, tmp_path: Path) -> None:
 def test_a_cell_that_hangs_is_ended(plugins: Path, tmp_path: Path) -> None:
     _, records = run(plugins, tmp_path, ["sleeper", "calm"], ["alpha_blend"], timeout=2.0)
     assert records["sleeper", "alpha_blend"].status == "timeout"
-    assert records["sleeper", "alpha_blend"].reason == "took longer than 2 s"
-    assert records["calm", "alpha_blend"].status == "ok"
-
-
-def accept_interrupts() -> None:
-    """Undo a shell's `nohup` or `&`, which let programs ignore interrupts."""
-    signal.signal(signal.SIGINT, signal.SIG_DFL)
-
-
-def test_a_stopped_run_ends_at_once_and_keeps_finished_cells(plugins: Path, tmp_path: Path) -> None:
-    command = [sys.executable, "-m", "oitbench", "run", "--size", "16x16", "--ssaa", "1"]
-    command += ["--scene", "calm", "--scene", "sleeper[count=1,2,3]", "--method", "alpha_blend"]
-    command += ["--collection", str(plugins), "--out", str(tmp_path)]
-    process = subprocess.Popen(
-        command, stderr=subprocess.PIPE, text=True, preexec_fn=accept_interrupts
+    assert (
+        records["sleeper", "alpha_blend"].reason == "took longer than 2 s while building the scene"
     )
-    try:
-        for _ in range(600):
-            if (tmp_path / "cells.jsonl").is_file():
-                break
-            time.sleep(0.1)
-        process.send_signal(signal.SIGINT)
-        _, printed = process.communicate(timeout=60)
-    finally:
-        process.kill()
-    assert process.returncode == 130
-    assert "run again to resume" in printed
-    assert [r.scene for r in records_of(tmp_path)] == ["calm"]
+    assert records["calm", "alpha_blend"].status == "ok"
 
 
 def test_a_frame_beyond_the_limit_of_the_driver_fails(plugins: Path, tmp_path: Path) -> None:

@@ -8,7 +8,7 @@ from __future__ import annotations
 import shutil
 from pathlib import Path
 
-from oitbench.plugins import own_folder
+from oitbench.places import own_folder
 from oitbench.results import baseline
 from oitbench.results import comparison as regression
 from oitbench.results.baseline import Snapshot
