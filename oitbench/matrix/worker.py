@@ -17,8 +17,10 @@ from msgspec import Struct
 from oitbench.errors import OitbenchError
 from oitbench.matrix.bench import Bench
 from oitbench.matrix.cell import Cell
+from oitbench.matrix.timed_cells import ScoredCell, Timing
+from oitbench.measure.rounds import Schedule
 from oitbench.plugins import Collection
-from oitbench.results.schema import Record, Renderer, Time
+from oitbench.results.schema import Record, Renderer
 
 
 class Settings(Struct, frozen=True):
@@ -41,11 +43,12 @@ class RunCell(Struct, frozen=True, tag=True):
 
 
 class TimeCells(Struct, frozen=True, tag=True):
-    """Asks for the times of the cells of one scene."""
+    """Asks for the times of the cells of one scene; the rest is a `Schedule`."""
 
-    cells: list[Cell]
+    cells: list[ScoredCell]
     rounds: int
     budget: float
+    seed: int
 
 
 class Greeting(Struct, frozen=True, tag=True):
@@ -64,7 +67,7 @@ class CellDone(Struct, frozen=True, tag=True):
 class CellsTimed(Struct, frozen=True, tag=True):
     """Times in the order of the request, and the seconds spent by kind of work."""
 
-    times: list[Time]
+    timings: list[Timing]
     spent: dict[str, float]
 
 
@@ -87,8 +90,8 @@ def _answer(bench: Bench, request: Request) -> Reply:
     if isinstance(request, RunCell):
         record = bench.run(request.cell, request.path_traced)
         return CellDone(record, bench.watch.take())
-    times = bench.time(request.cells, request.rounds, request.budget)
-    return CellsTimed(times, bench.watch.take())
+    schedule = Schedule(request.rounds, request.budget, request.seed)
+    return CellsTimed(bench.time(request.cells, schedule), bench.watch.take())
 
 
 def _bench(settings: Settings) -> Bench:

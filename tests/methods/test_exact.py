@@ -130,7 +130,8 @@ def test_a_frame_in_several_regions_is_the_same(device: Device, name: str) -> No
         frame.render()
         np.testing.assert_array_equal(frame.image(), whole)
         # A timed frame has no checks between regions, and is the same too.
-        frame.issue()
+        frame.restore()
+        frame.composite()
         np.testing.assert_array_equal(frame.image(), whole)
 
 
@@ -156,7 +157,8 @@ def test_the_frame_is_repeated_with_more_memory_if_it_runs_out(
     with opened(device, scene, "a_buffer", block_limit=block_limit) as frame:
         frame.render()
         limit_memory(frame, records)
-        frame.issue()
+        frame.restore()
+        frame.composite()
         assert abs(frame.image() - composite(lists, scene.background)).max() > 0.01
         frame.render()
         fragments = np.array([[16384, 16384, 5632], [1536, 1536, 528]])
@@ -164,7 +166,8 @@ def test_the_frame_is_repeated_with_more_memory_if_it_runs_out(
         assert abs(frame.image() - composite(lists, scene.background)).max() <= 2e-6
         # The memory is sufficient for the next frame.
         complete = frame.image()
-        frame.issue()
+        frame.restore()
+        frame.composite()
         np.testing.assert_array_equal(frame.image(), complete)
 
 
