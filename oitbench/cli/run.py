@@ -108,4 +108,6 @@ def command(
                 )
 
         summary = run_matrix(matrix, show)
+    if summary.warning:
+        click.echo(f"disturbed: {summary.warning}", err=True)
     click.echo(f"{out}: {summary}")

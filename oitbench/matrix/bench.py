@@ -9,13 +9,16 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from oitbench.effects import Effect, names
-from oitbench.errors import CapabilityError, OitbenchError
+from oitbench.errors import CapabilityError, DeclarationError, OitbenchError
 from oitbench.gl.device import Device
 from oitbench.gl.frame import Frame, Image, check_size
+from oitbench.gl.plan import FramePlan
 from oitbench.gl.uploaded_scene import UploadedScene
 from oitbench.image import files, metrics
 from oitbench.matrix.cell import Cell, choose_effects
-from oitbench.measure import accounting, timing
+from oitbench.matrix.timed_cells import ScoredCell, Timing, time_cells
+from oitbench.measure import accounting
+from oitbench.measure.rounds import Schedule
 from oitbench.method.declaration import Method
 from oitbench.plugins import Collection
 from oitbench.results.schema import (
@@ -31,7 +34,6 @@ from oitbench.results.schema import (
     Scores,
     SharedShading,
     Status,
-    Time,
     Traffic,
     flip_image,
 )
@@ -168,9 +170,9 @@ class Bench:
         with self.watch.running("rendering"):
             with Frame(uploaded, method, fine, effects) as frame:
                 image, transmittance = _with_transmittance(frame, cell.ssaa)
-                complexity = int(frame.complexity.max())
-            cost = _count(uploaded, method, cell.size, effects)
-            spread = _order_spread(uploaded, method, cell, effects)
+                complexity, plan = int(frame.complexity.max()), frame.plan
+            cost = _count(uploaded, method, cell.size, effects, plan)
+            spread = _order_spread(uploaded, method, cell, effects, plan)
         images = {"color": image_path(cell.key, "color"), EXACT: _shared_image(cell, EXACT)}
         files.write_exr(self.folder / images["color"], image)
         exact = self._score(cell, EXACT, stage.exact, image, scene.exposure, images)
@@ -198,6 +200,7 @@ class Bench:
             scores=scores,
             images=images,
             exposure=scene.exposure,
+            plan=plan.digest,
         )
 
     def _prepare(self, cell: Cell) -> _Stage:
@@ -258,25 +261,11 @@ class Bench:
         values = self._score(cell, PATH_TRACED, reference.mean, image, scene.exposure, images)
         return Scores(values, reference.info.noise_floor, message=reference.message)
 
-    def time(self, cells: Sequence[Cell], rounds: int, budget: float) -> list[Time]:
-        """Time the cells of one scene against each other; return their times in order."""
-        with self.watch.running("rendering"), ExitStack() as stack:
-            self._on_step(_BUILDING)
-            scene = self.collection.build_scene(cells[0].scene)
-            uploaded = stack.enter_context(UploadedScene(self.device, scene))
+    def time(self, cells: Sequence[ScoredCell], schedule: Schedule) -> list[Timing]:
+        """Time the cells of one scene against each other; see `time_cells`."""
+        with self.watch.running("rendering"):
             self._on_step(_TIMING)
-            frames: dict[str, Frame] = {}
-            for cell in cells:
-                (method,) = self.collection.expand_methods([cell.method])
-                effects = choose_effects(cell.effects, scene.effects) & method.shows
-                frame = stack.enter_context(Frame(uploaded, method, cell.size, effects))
-                frame.render()
-                frames[str(cell.key)] = frame
-            samples = timing.measure(frames, rounds, budget, cells[0].seed)
-            return [
-                timing.times(samples[str(cell.key)], frames[str(cell.key)].measure())
-                for cell in cells
-            ]
+            return time_cells(self.device, self.collection, cells, schedule)
 
 
 def _shared_image(cell: Cell, kind: str) -> str:
@@ -292,11 +281,25 @@ def _with_transmittance(frame: Frame, ssaa: int) -> tuple[Image, Image]:
     return image, files.box_downsample(frame.image(), ssaa)
 
 
+def _require_same(plan: FramePlan, scored: FramePlan, when: str) -> None:
+    """Raise `DeclarationError` if a frame does not draw what the scored frame draws."""
+    if plan.digest != scored.digest:
+        raise DeclarationError(
+            f"{plan.label}: plan returns other passes when {when}; it must depend on parameters and"
+            " its request alone"
+        )
+
+
 def _count(
-    uploaded: UploadedScene, method: Method, size: tuple[int, int], effects: Effect
+    uploaded: UploadedScene,
+    method: Method,
+    size: tuple[int, int],
+    effects: Effect,
+    scored: FramePlan,
 ) -> _Cost:
     """Count fragments, memory and traffic of one frame without sub-pixels."""
     with Frame(uploaded, method, size, effects, counted=True) as frame:
+        _require_same(frame.plan, scored, "it is counted")
         frame.render()
         measured = frame.measure()
         return _Cost(
@@ -309,9 +312,10 @@ def _count(
 
 
 def _order_spread(
-    uploaded: UploadedScene, method: Method, cell: Cell, effects: Effect
+    uploaded: UploadedScene, method: Method, cell: Cell, effects: Effect, scored: FramePlan
 ) -> dict[str, float | None]:
     with Frame(uploaded, method, cell.size, effects) as frame:
+        _require_same(frame.plan, scored, "its draws are permuted")
 
         def permuted() -> Iterator[Image]:
             for number in range(1, cell.permutations + 1):

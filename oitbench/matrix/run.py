@@ -19,9 +19,12 @@ from oitbench.matrix import machine
 from oitbench.matrix.cell import Cell
 from oitbench.matrix.plan import Matrix, plan_matrix
 from oitbench.matrix.pool import WorkerProcess
+from oitbench.matrix.timed_cells import ScoredCell, Timing
+from oitbench.matrix.timed_scenes import due_scenes, time_scene
 from oitbench.matrix.worker import CellDone, CellsTimed, Greeting, Hello, RunCell, TimeCells
 from oitbench.results.schema import Record
 from oitbench.results.store import Store
+from oitbench.results.times import Processor
 from oitbench.workers.process import WorkerError
 
 OnRecord = Callable[[Cell, Record], None]
@@ -42,12 +45,26 @@ class Summary:
         Wall-clock seconds.
     spent : dict of str to float
         Seconds by kind of work.
+    disturbed : dict of str to float
+        Share of the CPU time that other processes took, by the label of each scene whose times
+        they disturbed.
     """
 
     statuses: dict[str, int] = field(default_factory=dict)
     kept: int = 0
     wall: float = 0.0
     spent: dict[str, float] = field(default_factory=dict)
+    disturbed: dict[str, float] = field(default_factory=dict)
+
+    @property
+    def warning(self) -> str:
+        """A line about times that other processes disturbed, or ""."""
+        if not self.disturbed:
+            return ""
+        return (
+            f"other processes took up to {max(self.disturbed.values()):.0%} of the CPU time while"
+            f" {', '.join(self.disturbed)} was timed; run with --force on an idle machine"
+        )
 
     @property
     def rest(self) -> float:
@@ -121,7 +138,7 @@ def run_matrix(matrix: Matrix, on_record: OnRecord = lambda cell, record: None) 
         for extra in pool[1:]:
             extra.stop()
         if matrix.preset.rounds:
-            _time_all(matrix, pool[0], store, summary, set(todo))
+            _time_all(matrix, pool[0], store, summary, set(todo), facts.cpu)
         for cell in todo:
             record = store.find(cell.key)
             status = record.status if record else "failed"
@@ -218,27 +235,27 @@ def _unanswered(cell: Cell, error: WorkerError) -> CellDone:
 
 
 def _time_all(
-    matrix: Matrix, worker: WorkerProcess, store: Store, summary: Summary, fresh: set[Cell]
+    matrix: Matrix,
+    worker: WorkerProcess,
+    store: Store,
+    summary: Summary,
+    fresh: set[Cell],
+    cpu: Processor | None,
 ) -> None:
     """Time the finished cells of each scene together, if one of them has no time yet."""
-    scenes: dict[tuple[str, tuple[int, int]], list[tuple[Cell, Record]]] = {}
-    for cell in matrix.cells:
-        record = store.find(cell.key)
-        if record is not None and record.finished:
-            scenes.setdefault((cell.scene, cell.size), []).append((cell, record))
-    for pairs in scenes.values():
-        cells = [cell for cell, _ in pairs]
-        if all(record.time for _, record in pairs) and not fresh & set(cells):
-            continue
-        request = TimeCells(cells, matrix.preset.rounds, matrix.preset.budget)
+
+    def ask(cells: list[ScoredCell]) -> list[Timing]:
+        preset = matrix.preset
         limit = None if matrix.timeout is None else matrix.timeout * len(cells)
-        try:
-            reply = worker.ask(request, CellsTimed, limit)
-        except OitbenchError as error:
-            for _, record in pairs:
-                reason = f"not timed: {error}"
-                store.append(msgspec.structs.replace(record, time=None, reason=reason))
-            continue
+        request = TimeCells(cells, preset.rounds, preset.budget, matrix.seed)
+        reply = worker.ask(request, CellsTimed, limit)
         summary.add(reply.spent)
-        for (_, record), found in zip(pairs, reply.times, strict=True):
-            store.append(msgspec.structs.replace(record, time=found))
+        return reply.timings
+
+    known = [(cell, store.find(cell.key)) for cell in matrix.cells]
+    pairs = [(cell, record) for cell, record in known if record is not None]
+    for scene in due_scenes(pairs, fresh, cpu):
+        for record in time_scene(scene, ask):
+            store.append(record)
+            if record.time is not None and record.time.block.disturbed:
+                summary.disturbed[record.scene] = record.time.block.foreign or 0.0

@@ -15,9 +15,11 @@ from oitbench.gl.uploaded_scene import UploadedScene
 from oitbench.image import files
 from oitbench.matrix.bench import Bench
 from oitbench.matrix.cell import Cell, choose_effects
+from oitbench.matrix.timed_cells import ScoredCell, Timing
+from oitbench.measure.rounds import Schedule
 from oitbench.places import Places
 from oitbench.plugins import Collection
-from oitbench.results.schema import Record, Renderer, Time
+from oitbench.results.schema import Record, Renderer
 from oitbench.workers.serve import OnStep, serve
 
 
@@ -41,11 +43,12 @@ class RunCell(Struct, frozen=True, tag=True):
 
 
 class TimeCells(Struct, frozen=True, tag=True):
-    """Asks for the times of the cells of one scene."""
+    """Asks for the times of the cells of one scene; the rest is a `Schedule`."""
 
-    cells: list[Cell]
+    cells: list[ScoredCell]
     rounds: int
     budget: float
+    seed: int
 
 
 class DrawPicture(Struct, frozen=True, tag=True):
@@ -75,7 +78,7 @@ class CellDone(Struct, frozen=True, tag=True):
 class CellsTimed(Struct, frozen=True, tag=True):
     """Times in the order of the request, and the seconds spent by kind of work."""
 
-    times: list[Time]
+    timings: list[Timing]
     spent: dict[str, float]
 
 
@@ -103,8 +106,8 @@ def _begin(settings: Settings, on_step: OnStep) -> Callable[[Request], Reply]:
             return CellDone(record, bench.watch.take())
         if isinstance(request, DrawPicture):
             return _draw(bench, request)
-        times = bench.time(request.cells, request.rounds, request.budget)
-        return CellsTimed(times, bench.watch.take())
+        schedule = Schedule(request.rounds, request.budget, request.seed)
+        return CellsTimed(bench.time(request.cells, schedule), bench.watch.take())
 
     return answer
 

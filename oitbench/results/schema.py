@@ -15,15 +15,16 @@ import msgspec
 from msgspec import Meta, Struct
 
 from oitbench.parameters import Value
+from oitbench.results.times import Processor, Time
 
-VERSION: Final = 1
+VERSION: Final = 2
 """Version of the schema; a change of any field raises it."""
 SCHEMA_FILE = Path(__file__).with_name("record.schema.json")
 
 Count = Annotated[int, Meta(ge=0)]
 Size = tuple[int, int]
-Status = Literal["ok", "unstable", "failed", "skipped", "timeout"]
-FINISHED: frozenset[Status] = frozenset({"ok", "unstable"})
+Status = Literal["ok", "unstable", "suspect", "failed", "skipped", "timeout"]
+FINISHED: frozenset[Status] = frozenset({"ok", "unstable", "suspect"})
 """Statuses of cells that have an image and numbers."""
 
 EXACT, PATH_TRACED = "exact", "path_traced"
@@ -33,32 +34,6 @@ TRUTHS: Mapping[str, str] = {EXACT: "exact compositing", PATH_TRACED: "path trac
 
 class _Typed(Struct, frozen=True, forbid_unknown_fields=True):
     """Base of all parts of a record."""
-
-
-class Interval(_Typed, frozen=True):
-    """A median in milliseconds, its 95 % interval, and all samples."""
-
-    median: float
-    low: float
-    high: float
-    samples: list[float]
-
-
-class PassTime(_Typed, frozen=True):
-    """Time of one pass in milliseconds, including the wait after each of its draws."""
-
-    name: str
-    ms: float
-    fragments: Count
-
-
-class Time(_Typed, frozen=True):
-    """Times of a frame; `shading` are the stages that all methods share."""
-
-    frame_ms: Interval
-    sort_ms: float
-    shading: list[PassTime] = []
-    passes: list[PassTime] = []
 
 
 class MemoryTerm(_Typed, frozen=True):
@@ -147,6 +122,7 @@ class Outcome(_Typed, frozen=True):
 
     `images` are paths below the results folder: `color`, the truths, and for each truth
     `flip_TRUTH`, the maps of FLIP (channel `ldr`) and HDR-FLIP (`hdr`). `exposure` is in stops.
+    `plan` is a digest of the targets, buffers and passes that the method declared.
     """
 
     parameters: dict[str, Value]
@@ -161,6 +137,7 @@ class Outcome(_Typed, frozen=True):
     scores: dict[str, Scores]
     images: dict[str, str]
     exposure: float
+    plan: str = ""
 
 
 class CellKey(_Typed, frozen=True):
@@ -194,7 +171,7 @@ class Record(_Typed, frozen=True):
     seconds: float = 0.0
     outcome: Outcome | None = None
     time: Time | None = None
-    schema: Literal[1] = VERSION
+    schema: Literal[2] = VERSION
 
     @property
     def key(self) -> CellKey:
@@ -242,13 +219,6 @@ class Renderer(_Typed, frozen=True):
     software: bool = False
 
 
-class Processor(_Typed, frozen=True):
-    """The processor."""
-
-    model: str
-    cores: int | None = None
-
-
 class Commit(_Typed, frozen=True):
     """The state of the checkout."""
 
@@ -272,7 +242,7 @@ class RunFacts(_Typed, frozen=True):
     git: Commit | None = None
     date: str = ""
     wall: dict[str, float] = {}
-    schema: Literal[1] = VERSION
+    schema: Literal[2] = VERSION
 
     @property
     def renderer(self) -> str:

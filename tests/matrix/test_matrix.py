@@ -15,11 +15,15 @@ from oitbench.errors import CapabilityError, UsageError
 from oitbench.gl.frame import Frame
 from oitbench.image.files import read_exr, read_flip_maps
 from oitbench.image.metrics import FLIP_HDR, FLIP_LDR
+from oitbench.matrix import machine
 from oitbench.matrix.bench import Bench
 from oitbench.matrix.cell import Cell, choose_effects
 from oitbench.matrix.plan import plan_matrix
 from oitbench.matrix.run import Summary, run_matrix
+from oitbench.matrix.timed_cells import ScoredCell, Timing
 from oitbench.measure import timing
+from oitbench.measure.rounds import Schedule
+from oitbench.measure.timing import Timings
 from oitbench.plugins import Collection
 from oitbench.results.schema import EffectNames, Nonfinite, Outcome, Record
 from oitbench.results.store import CELLS, read_cells
@@ -80,8 +84,12 @@ def test_a_record_has_all_facts_for_reports(finished: Path) -> None:
     assert 0 < error < 0.01
     assert "path" in outcome.scores["path_traced"].reason
     assert record.time is not None
-    assert len(record.time.frame_ms.samples) >= 3
-    assert [p.name for p in record.time.passes] == ["capture", "resolve_sorted"]
+    assert len(record.time.method_ms.samples) == 9
+    assert record.time.method_ms.ends is not None
+    parts = ["start of the frame", "capture", "resolve_sorted"]
+    assert [part.name for part in record.time.passes] == parts
+    assert record.time.block.cpu == machine.processor()
+    assert record.time.block.foreign is not None
     assert read_exr(finished / outcome.images["color"]).shape == (32, 32, 3)
     assert (finished / outcome.images["exact"]).is_file()
     ldr, hdr = read_flip_maps(finished / outcome.images["flip_exact"])
@@ -224,9 +232,9 @@ def test_cells_are_timed_with_their_effects(
 ) -> None:
     timed: list[Effect] = []
 
-    def measure(frames: dict[str, Frame], *_: Any) -> dict[str, timing.Samples]:
+    def measure(frames: dict[str, Frame], *_: Any) -> Timings:
         timed.extend(frame.plan.effects for frame in frames.values())
-        return dict.fromkeys(frames, timing.Samples([1.0], [0.0]))
+        return Timings(errors={name: CapabilityError("not now") for name in frames})
 
     monkeypatch.setattr(timing, "measure", measure)
     cells = [
@@ -234,7 +242,9 @@ def test_cells_are_timed_with_their_effects(
         for effects in ("requested", "-translucent_shadows")
     ]
     with Bench(Collection.load(), tmp_path) as bench:
-        bench.time(cells, rounds=1, budget=0.0)
+        scored = [ScoredCell(cell, outcome_of(bench.run(cell, False)).plan) for cell in cells]
+        found = bench.time(scored, Schedule(rounds=1, budget=0.0))
+    assert found == [Timing(reason="not now")] * 2
     shadows = [names(effects & SHADING) for effects in timed]
     assert shadows == [
         ["SHADOWS", "TRANSLUCENT_SHADOWS", "COLORED_SHADOWS", "CAUSTICS"],

@@ -131,7 +131,8 @@ def test_a_frame_in_several_regions_is_the_same(device: Device, name: str) -> No
         frame.render()
         assert_same(device, frame.image(), whole, name, 4)
         # A timed frame has no checks between regions, and is the same too.
-        frame.issue()
+        frame.restore()
+        frame.composite()
         assert_same(device, frame.image(), whole, name, 4)
 
 
@@ -157,7 +158,8 @@ def test_the_frame_is_repeated_with_more_memory_if_it_runs_out(
     with opened(device, scene, "a_buffer", block_limit=block_limit) as frame:
         frame.render()
         limit_memory(frame, records)
-        frame.issue()
+        frame.restore()
+        frame.composite()
         assert abs(frame.image() - composite(lists, scene.background)).max() > 0.01
         frame.render()
         fragments = np.array([[16384, 16384, 5632], [1536, 1536, 528]])
@@ -165,7 +167,8 @@ def test_the_frame_is_repeated_with_more_memory_if_it_runs_out(
         assert abs(frame.image() - composite(lists, scene.background)).max() <= 2e-6
         # The memory is sufficient for the next frame.
         complete = frame.image()
-        frame.issue()
+        frame.restore()
+        frame.composite()
         np.testing.assert_array_equal(frame.image(), complete)
 
 
