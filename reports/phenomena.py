@@ -115,7 +115,7 @@ def _pair(context: ReportContext, panel: Panel, cell: Record) -> list[Figure]:
     stops = plates.exposure([cell])
     error = plates.error_text(context, cell, PATH_TRACED)
     rows = ((TRUTHS[PATH_TRACED], truth), (", ".join([cell.method, *error]), image))
-    height = _WIDTH * panel.size[1] / panel.size[0]
+    width, height = plates.fitted(panel.size, _WIDTH)
     whole = 2 * plates.MARGIN + _WIDTH, 3 * plates.MARGIN + 2 * (_LABEL + height)
     with figures.canvas(*whole, by_hand=True) as canvas:
         top = plates.MARGIN
@@ -128,7 +128,7 @@ def _pair(context: ReportContext, panel: Panel, cell: Record) -> list[Figure]:
                 fontweight="bold",
             )
             shown = plates.display(picture, stops)
-            plates.draw_picture(canvas, shown, plates.MARGIN, top + _LABEL, _WIDTH)
+            plates.draw_picture(canvas, shown, plates.MARGIN, top + _LABEL, width)
             top += _LABEL + height + plates.MARGIN
         figure = figures.save(
             canvas,

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 
 import click
 
 from oitbench.cli import options
+from oitbench.report.sections import SECONDS
 
 
 @click.command()
@@ -19,12 +21,21 @@ from oitbench.cli import options
 )
 @click.option("--hdr", is_flag=True, help="Show HDR-FLIP instead of FLIP of the displayed image.")
 @click.option("--markdown", is_flag=True, help="Only print the main tables, as Markdown.")
+@options.timeout(SECONDS, "Seconds that each section of the page may take.")
 @options.collections
 def command(
-    results: Path, out: Path | None, hdr: bool, markdown: bool, collections: tuple[Path, ...]
+    results: Path,
+    out: Path | None,
+    hdr: bool,
+    markdown: bool,
+    timeout: float | None,
+    collections: tuple[Path, ...],
 ) -> None:
-    """Write figures (PNG, PDF) and tables (CSV) of RESULTS, and a page that shows them."""
-    from oitbench.plugins import Collection
+    """Write figures (PNG, PDF) and tables (CSV) of RESULTS, and a page that shows them.
+
+    The exit code is 1 if a section is missing because its report failed.
+    """
+    from oitbench.catalog.catalog import Catalog
     from oitbench.report import write
     from oitbench.report.markdown import tables
     from oitbench.results.records import Results
@@ -32,5 +43,10 @@ def command(
     if markdown:
         click.echo(tables(Results.load(results)), nl=False)
         return
-    page = write(results, out, Collection.load(collections).reports, hdr=hdr)
-    click.echo(page)
+    with Catalog(collections) as catalog:
+        reports = catalog.places.reports
+    page = write(results, out, reports, hdr=hdr, timeout=timeout)
+    for reason in page.missing:
+        click.echo(f"section left out: {reason}", err=True)
+    click.echo(page.path)
+    sys.exit(1 if page.missing else 0)

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from oitbench.errors import UsageError
+from oitbench.results.table import shielded
 
 Value = str | int | float | None
 Row = Sequence[Value]
@@ -179,11 +180,14 @@ def writing_to(folder: Path) -> Iterator[None]:
 
 
 def write_csv(path: Path, heading: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
-    """Write a CSV file in an existing folder; None becomes an empty field."""
+    """Write a CSV file in an existing folder; None becomes an empty field.
+
+    Texts that a spreadsheet would take for formulas begin with an apostrophe.
+    """
     with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
         writer.writerow(heading)
-        writer.writerows(rows)
+        writer.writerows([shielded(value) for value in row] for row in rows)
 
 
 def write_table(

@@ -46,7 +46,8 @@ def _table(results: Results, text: Callable[[Record], str], noise_floor: bool = 
     floors = ["noise floor"] if noise_floor else []
     heading = ["scene", *floors, *(f"`{method}`" for method in results.methods)]
     lines = [heading, ["---"] * len(heading), *rows]
-    return "".join(f"| {' | '.join(line)} |\n" for line in lines)
+    escaped = ([text.replace("|", r"\|") for text in line] for line in lines)
+    return "".join(f"| {' | '.join(line)} |\n" for line in escaped)
 
 
 def _cost(record: Record) -> str:

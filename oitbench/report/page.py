@@ -2,47 +2,48 @@
 
 from __future__ import annotations
 
-import os
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from importlib import resources
 from pathlib import Path
-from types import ModuleType
-from typing import TYPE_CHECKING
-from urllib.parse import quote
 
-from oitbench.report.artifacts import SIGN, Artifact, Figure, ImageGrid, Note, Table, writing_to
+from oitbench.report.artifacts import SIGN, writing_to
 from oitbench.report.cells import effect_labels
 from oitbench.report.context import ReportContext
+from oitbench.report.sections import SECONDS, Section, build_sections
+from oitbench.report.templates import environment
 from oitbench.report.times import disturbed_scenes
 from oitbench.results.records import Results
 from oitbench.results.schema import Record, RunFacts
 
-if TYPE_CHECKING:
-    from jinja2 import Environment
-
-_LAST = 1000
-
 
 @dataclass(frozen=True)
-class Section:
-    """A report on the page."""
+class Page:
+    """What was written.
 
-    name: str
-    title: str
-    doc: str
-    artifacts: tuple[Artifact, ...]
+    Parameters
+    ----------
+    path : Path
+        The page, `index.html`.
+    missing : tuple of str
+        Why sections are missing, one line for each.
+    """
+
+    path: Path
+    missing: tuple[str, ...]
 
 
 def write(
     results_folder: Path | str,
     out_folder: Path | str | None,
-    collection_reports: Mapping[str, ModuleType],
+    reports: Mapping[str, Path],
     *,
     hdr: bool = False,
-) -> Path:
+    timeout: float | None = SECONDS,
+) -> Page:
     """Build all reports, and write them as one page.
+
+    A report that fails, crashes or hangs costs its own section.
 
     Parameters
     ----------
@@ -50,15 +51,12 @@ def write(
         Folder of a run.
     out_folder : path, optional
         Folder of the page. Default: `report` in the results folder.
-    collection_reports : mapping of str to module
-        Report files by name; each has `title`, `build`, and optionally a number `order`.
+    reports : mapping of str to Path
+        Files of reports by name; each has `title`, `build`, and optionally a number `order`.
     hdr : bool
         Show HDR-FLIP instead of FLIP of the displayed image.
-
-    Returns
-    -------
-    Path
-        The page, `index.html`.
+    timeout : float, optional
+        Seconds that one section may take. None: no limit.
 
     Raises
     ------
@@ -70,21 +68,9 @@ def write(
     context = ReportContext(results, out, hdr)
     page = out / "index.html"
     with writing_to(out):
-        sections = [
-            _section(name, module, context)
-            for name, module in sorted(collection_reports.items(), key=_order)
-        ]
+        sections = build_sections(context, reports, timeout)
         page.write_text(_render(context, sections), encoding="utf-8")
-    return page
-
-
-def _order(report: tuple[str, ModuleType]) -> tuple[float, str]:
-    return float(getattr(report[1], "order", _LAST)), report[0]
-
-
-def _section(name: str, module: ModuleType, context: ReportContext) -> Section:
-    doc = " ".join((module.__doc__ or "").split())
-    return Section(name, str(module.title), doc, tuple(module.build(context)))
+    return Page(page, tuple(section.error for section in sections if section.error))
 
 
 def _render(context: ReportContext, sections: Sequence[Section]) -> str:
@@ -93,7 +79,7 @@ def _render(context: ReportContext, sections: Sequence[Section]) -> str:
     counts = Counter(ok=0)
     counts.update(record.status for record in results.records)
     return (
-        _environment(context)
+        environment(context)
         .get_template("index.html")
         .render(
             results=results,
@@ -106,26 +92,6 @@ def _render(context: ReportContext, sections: Sequence[Section]) -> str:
             sign=SIGN,
         )
     )
-
-
-def _environment(context: ReportContext) -> Environment:
-    from jinja2 import Environment, FunctionLoader, StrictUndefined
-
-    folder = resources.files("oitbench.report")
-    environment = Environment(
-        loader=FunctionLoader(lambda name: (folder / name).read_text(encoding="utf-8")),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    kinds = {Figure: "figure", Table: "table", ImageGrid: "grid", Note: "note"}
-    environment.filters["kind"] = lambda artifact: kinds[type(artifact)]
-    environment.filters["link"] = lambda path: quote(
-        Path(os.path.relpath(path, context.out)).as_posix()
-    )
-    environment.globals["style"] = context.style
-    return environment
 
 
 def _incomplete(records: Sequence[Record]) -> dict[tuple[str, str], list[str]]:

@@ -27,6 +27,8 @@ MARGIN, GAP = 0.08, 0.1
 """Inches at the edge of a plate and between two of its pictures."""
 _COLUMNS = 6
 _LABEL_WIDTH = 22
+# Height of a picture in widths; taller pictures are drawn narrower, else a figure takes gigabytes.
+_TALLEST = 3.0
 # Inches: one picture, the room for a label above it and for values below it, and for the scale.
 _PICTURE = 1.5
 _LABEL = 0.36
@@ -154,7 +156,7 @@ def grid(
     caption: str,
 ) -> ImageGrid:
     """Return the tiles for the page, and draw them as `path` with the suffixes .png and .pdf."""
-    layout = _Layout(len(shown), _PICTURE * panel.size[1] / panel.size[0])
+    layout = _Layout(len(shown), *fitted(panel.size, _PICTURE))
     with figures.canvas(layout.width, layout.height, by_hand=True) as canvas:
         for place, tile in enumerate(shown):
             _draw_tile(canvas, layout, place, tile)
@@ -163,11 +165,26 @@ def grid(
     return ImageGrid(tuple(item.tile for item in shown), figure)
 
 
+def fitted(size: tuple[int, int], width: float) -> tuple[float, float]:
+    """Return the width and height at which a picture is drawn, in the unit of `width`.
+
+    Parameters
+    ----------
+    size : (int, int)
+        Pixels.
+    width : float
+        Width of a picture that is not very tall.
+    """
+    width = min(width, _TALLEST * width * size[0] / size[1])
+    return width, width * size[1] / size[0]
+
+
 @dataclass(frozen=True)
 class _Layout:
     """Positions of tiles, in inches from the upper left; all pictures have the same size."""
 
     count: int
+    picture_width: float
     picture_height: float
 
     @property
@@ -224,7 +241,7 @@ def _draw_tile(canvas: Canvas, layout: _Layout, place: int, shown: Shown) -> Non
     lower = upper + layout.picture_height + GAP / 2
     for image, edge in ((picture, upper), (colored, lower)):
         if image is not None:
-            draw_picture(canvas, image, left, edge, _PICTURE)
+            draw_picture(canvas, image, left, edge, layout.picture_width)
     lines = [*tile.values, textwrap.fill(tile.note, _LABEL_WIDTH)]
     below = upper if picture is None else lower
     if colored is not None:

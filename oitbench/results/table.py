@@ -10,6 +10,7 @@ from oitbench.results.times import Interval, Time
 
 MEBIBYTE = 2**20
 MEGABYTE = 10**6
+_FORMULA = ("=", "+", "-", "−", "@")
 _EXACT_ONLY = (metrics.TRANSMITTANCE, metrics.ORDER_SPREAD_MAX, metrics.ORDER_SPREAD_MEAN)
 _FLOORS = (metrics.FLIP_LDR, metrics.FLIP_HDR, metrics.RMSE)
 
@@ -53,3 +54,12 @@ def flat_times(time: Time | None) -> dict[str, float | None]:
         found[f"{name}_high"] = part.high if part else None
     foreign = time.block.foreign if time else None
     return {**found, "foreign_percent": None if foreign is None else 100 * foreign}
+
+
+def shielded(value: object) -> object:
+    """Return a field of a CSV file that no spreadsheet runs as a formula.
+
+    Text that begins like a formula gets an apostrophe in front, as OWASP advises ("CSV injection").
+    """
+    begins = isinstance(value, str) and value.lstrip().startswith(_FORMULA)
+    return f"'{value}" if begins else value

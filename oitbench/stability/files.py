@@ -13,6 +13,7 @@ import msgspec
 from oitbench.atomic import replacing
 from oitbench.errors import UsageError
 from oitbench.results.schema import Renderer
+from oitbench.results.table import shielded
 from oitbench.stability.result import VERSION, CheckResult, StabilityFile
 
 JSON, CSV = "stability.json", "stability.csv"
@@ -91,4 +92,5 @@ def _columns() -> list[str]:
 
 def _flat(row: dict[str, Any]) -> dict[str, Any]:
     """Return a result of the JSON file as a row of the CSV file."""
-    return {**{key: item for key, item in row.items() if key != "nonfinite"}, **row["nonfinite"]}
+    fields = {key: item for key, item in row.items() if key != "nonfinite"}
+    return {key: shielded(value) for key, value in {**fields, **row["nonfinite"]}.items()}

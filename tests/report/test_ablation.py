@@ -79,7 +79,8 @@ def test_results_without_effects_get_a_note(name: str, tmp_path: Path) -> None:
 def test_the_page_shows_reports_of_effects(tmp_path: Path) -> None:
     names = ("ablation", "payoff", "table")
     folder = store(tmp_path, *records(tmp_path))
-    page = write(folder, tmp_path / "out", {name: REPORTS[name] for name in names})
+    paths = {name: REPORTS.path(name) for name in names}
+    page = write(folder, tmp_path / "out", paths).path
     text = page.read_text(encoding="utf-8")
     for part in ("ablation.png", "payoff.csv", "Left out", "translucent shadows"):
         assert part in text

@@ -18,7 +18,7 @@ from oitbench.results.records import Results
 from oitbench.results.schema import Record
 from tests.report.made_up import finished, store, unfinished, unstable
 
-REPORTS = Collection.load().reports
+REPORTS = Collection.load().places.reports
 
 
 @pytest.fixture(scope="module")
@@ -37,7 +37,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def page(folder: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return write(folder, tmp_path_factory.mktemp("a report"), REPORTS)
+    return write(folder, tmp_path_factory.mktemp("a report"), REPORTS).path
 
 
 class Links(HTMLParser):
@@ -123,7 +123,7 @@ def test_tables_contain_the_numbers(page: Path) -> None:
     ids=["one method", "nothing finished", "no cell"],
 )
 def test_few_cells_are_enough(tmp_path: Path, records: Callable[[Path], list[Record]]) -> None:
-    page = write(store(tmp_path, *records(tmp_path)), None, REPORTS)
+    page = write(store(tmp_path, *records(tmp_path)), None, REPORTS).path
     assert page == tmp_path / "report" / "index.html"
     for link in links(page):
         assert link.startswith("#") or (page.parent / unquote(link)).is_file()
@@ -134,6 +134,6 @@ def test_a_missing_picture_affects_no_other(tmp_path: Path) -> None:
     store(tmp_path, murk, finished(tmp_path, "panes", "glow", 0.1))
     assert murk.outcome is not None
     (tmp_path / murk.outcome.images["color"]).unlink()
-    page = write(tmp_path, tmp_path / "out", {"images": REPORTS["images"]})
+    page = write(tmp_path, tmp_path / "out", {"images": REPORTS["images"]}).path
     assert sum(link.endswith("glow.png") for link in links(page)) == 2
     assert not any(link.endswith("murk.png") for link in links(page))

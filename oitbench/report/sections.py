@@ -1,0 +1,73 @@
+"""The sections of the page. A worker builds them, so that a faulty report costs its section only."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from oitbench.errors import OitbenchError
+from oitbench.report.context import ReportContext
+from oitbench.report.worker import LAST, BuildSection, SectionBuilt, Settings
+from oitbench.workers import memory
+from oitbench.workers.process import Process
+
+SECONDS = 600.0
+"""Time in which each section must be built by default."""
+
+
+@dataclass(frozen=True)
+class Section:
+    """A report on the page.
+
+    Parameters
+    ----------
+    name, title, doc : str
+    order : float
+    body : str
+        HTML.
+    error : str
+        Why the section could not be built, in one line; then it has no body.
+    """
+
+    name: str
+    title: str
+    doc: str = ""
+    order: float = LAST
+    body: str = ""
+    error: str = ""
+
+
+def build_sections(
+    context: ReportContext,
+    reports: Mapping[str, Path],
+    timeout: float | None = SECONDS,
+    memory_limit: int | None = None,
+) -> list[Section]:
+    """Build all sections in their order.
+
+    Parameters
+    ----------
+    context : ReportContext
+    reports : mapping of str to Path
+        Files of reports by name.
+    timeout : float, optional
+        Seconds that one section may take. None: no limit.
+    memory_limit : int, optional
+        Bytes that the worker may use. Default: the share of a single worker.
+    """
+    settings = Settings(os.fsencode(context.results.folder), os.fsencode(context.out), context.hdr)
+    limit = memory.share(1) if memory_limit is None else memory_limit
+    with Process("oitbench.report.worker", settings, SectionBuilt, limit) as worker:
+        sections = [_build(worker, name, path, timeout) for name, path in reports.items()]
+    return sorted(sections, key=lambda section: (section.order, section.name))
+
+
+def _build(worker: Process, name: str, path: Path, timeout: float | None) -> Section:
+    try:
+        built = worker.ask(BuildSection(name, os.fsencode(path)), SectionBuilt, timeout)
+    except OitbenchError as error:
+        text = str(error)
+        return Section(name, name, error=text if str(path) in text else f"{path}: {text}")
+    return Section(name, built.title, built.doc, built.order, built.body)

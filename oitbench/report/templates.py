@@ -1,0 +1,36 @@
+"""The templates of the page; all texts that they show are escaped."""
+
+from __future__ import annotations
+
+import os
+from importlib import resources
+from pathlib import Path
+from typing import TYPE_CHECKING
+from urllib.parse import quote
+
+from oitbench.report.artifacts import Figure, ImageGrid, Note, Table
+from oitbench.report.context import ReportContext
+
+if TYPE_CHECKING:
+    from jinja2 import Environment
+
+
+def environment(context: ReportContext) -> Environment:
+    """Return the templates of this folder, for a page in `context.out`."""
+    from jinja2 import Environment, FunctionLoader, StrictUndefined
+
+    folder = resources.files("oitbench.report")
+    made = Environment(
+        loader=FunctionLoader(lambda name: (folder / name).read_text(encoding="utf-8")),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    kinds = {Figure: "figure", Table: "table", ImageGrid: "grid", Note: "note"}
+    made.filters["kind"] = lambda artifact: kinds[type(artifact)]
+    made.filters["link"] = lambda path: quote(
+        os.fsencode(Path(os.path.relpath(path, context.out)).as_posix())
+    )
+    made.globals["style"] = context.style
+    return made

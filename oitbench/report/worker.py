@@ -1,0 +1,85 @@
+"""The far end of a report: builds sections of the page, each from the file of a report."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from pathlib import Path
+
+from msgspec import Struct
+
+from oitbench.errors import DeclarationError, OitbenchError, locate, printable
+from oitbench.places import Places
+from oitbench.plugins import Collection
+from oitbench.report.artifacts import writing_to
+from oitbench.report.context import ReportContext
+from oitbench.report.templates import environment
+from oitbench.results.records import Results
+from oitbench.workers.messages import Step
+from oitbench.workers.serve import OnStep, serve
+
+LAST = 1000.0
+"""Number `order` of reports that have none."""
+_LOADING, _BUILDING = Step("loading the file"), Step("building the section")
+
+
+class Settings(Struct, frozen=True):
+    """The results folder, the folder of the page, and whether the page shows HDR-FLIP."""
+
+    results: bytes
+    out: bytes
+    hdr: bool
+
+
+class BuildSection(Struct, frozen=True, tag=True):
+    """Asks for the section of the report `name`, whose file is `path`."""
+
+    name: str
+    path: bytes
+
+
+class SectionBuilt(Struct, frozen=True, tag=True):
+    """The section: `body` is HTML, and sections are sorted by `order`."""
+
+    title: str
+    doc: str
+    order: float
+    body: str
+
+
+def _begin(settings: Settings, on_step: OnStep) -> Callable[[BuildSection], SectionBuilt]:
+    collection = Collection(Places())
+    results = Results.load(_path(settings.results))
+    context = ReportContext(results, _path(settings.out), settings.hdr)
+    template = environment(context).get_template("section.html")
+
+    def answer(request: BuildSection) -> SectionBuilt:
+        on_step(_LOADING)
+        path = _path(request.path)
+        collection.places.reports.add(request.name, path)
+        module = collection.reports[request.name]
+        on_step(_BUILDING)
+        try:
+            with writing_to(context.out):
+                body = template.render(artifacts=module.build(context))
+            return SectionBuilt(
+                printable(str(module.title)),
+                printable(" ".join((module.__doc__ or "").split())),
+                float(getattr(module, "order", LAST)),
+                body,
+            )
+        except OitbenchError:
+            raise
+        except (Exception, SystemExit) as error:
+            raise DeclarationError(locate(error, path)) from error
+
+    return answer
+
+
+def _path(encoded: bytes) -> Path:
+    return Path(os.fsdecode(encoded))
+
+
+def main() -> None:
+    """Serve the page that started this process."""
+    serve(Settings, BuildSection, _begin)
