@@ -30,7 +30,8 @@ from oitbench.workers import memory
 from oitbench.workers.messages import Step
 from oitbench.workers.process import Process
 
-_LOAD_SECONDS = 30.0
+LOAD_SECONDS = 30.0
+"""Time in which each file of a plugin must be loaded by default."""
 _LOADING = Step("loading the file")
 _LOG = logging.getLogger(__name__)
 
@@ -83,7 +84,7 @@ class Catalog:
         self,
         extra: Iterable[Path | str] = (),
         memory_limit: int | None = None,
-        load_seconds: float = _LOAD_SECONDS,
+        load_seconds: float = LOAD_SECONDS,
     ) -> None:
         limit = memory.share(1) if memory_limit is None else memory_limit
         self._worker = Process("oitbench.catalog.worker", Nothing(), Reply, limit)

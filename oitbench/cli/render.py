@@ -8,6 +8,7 @@ import click
 
 from oitbench.cli import options
 from oitbench.errors import UsageError
+from oitbench.matrix.plan import CELL_SECONDS
 
 
 @click.command()
@@ -23,6 +24,8 @@ from oitbench.errors import UsageError
 @options.size("512x512", "Size of the picture in pixels.")
 @options.ssaa
 @options.effects
+@options.timeout(CELL_SECONDS, "Seconds that the picture may take.")
+@options.memory
 @options.collections
 def command(
     scene: str,
@@ -31,6 +34,8 @@ def command(
     size: tuple[int, int],
     ssaa: int,
     effects: str,
+    timeout: float | None,
+    memory_gib: float | None,
     collections: tuple[Path, ...],
 ) -> None:
     """Render SCENE with METHOD. Both are NAME[param=v]; METHOD can also be a folder."""
@@ -39,7 +44,7 @@ def command(
 
     if out.suffix not in (".exr", ".png"):
         raise UsageError(f"{out}: unknown format of a picture; end the name in .exr or .png")
-    image, exposure = render(scene, method, size, ssaa, effects, collections)
+    image, exposure = render(scene, method, size, ssaa, effects, collections, timeout, memory_gib)
     if out.suffix == ".exr":
         images.write_exr(out, image)
     else:

@@ -5,7 +5,9 @@ An image is an array of shape (h, w, 3), float32: linear Rec.709 radiance, top r
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import os
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from oitbench.atomic import replacing
-from oitbench.errors import UsageError
+from oitbench.errors import UsageError, printable
 
 Image = npt.NDArray[np.float32]
 
@@ -160,7 +162,7 @@ def _read_channels(path: Path) -> dict[str, npt.NDArray[Any]]:
     if not path.is_file():
         raise UsageError(f"{path}: there is no such image; render it again")
     try:
-        with OpenEXR.File(str(path)) as file:
+        with _utf8_name(path, os.O_RDONLY) as name, OpenEXR.File(name) as file:
             return {name: channel.pixels for name, channel in file.channels().items()}
     except (RuntimeError, ValueError) as error:
         raise UsageError(f"{path} is not a readable OpenEXR image; render it again") from error
@@ -174,9 +176,23 @@ def _write_channels(path: Path, channels: Mapping[str, npt.NDArray[Any]]) -> Non
     file = OpenEXR.File(header, {k: np.ascontiguousarray(v) for k, v in channels.items()})
     with replacing(path) as partial:
         try:
-            file.write(str(partial))
+            with _utf8_name(partial, os.O_RDWR | os.O_CREAT) as name:
+                file.write(name)
         except RuntimeError as error:
             raise OSError(str(error)) from error
+
+
+@contextmanager
+def _utf8_name(path: Path, flags: int) -> Iterator[str]:
+    """Yield a name by which OpenEXR finds a file; it only takes names that are UTF-8."""
+    if printable(str(path)) == str(path):
+        yield str(path)
+        return
+    descriptor = os.open(path, flags, 0o666)
+    try:
+        yield f"/proc/self/fd/{descriptor}"
+    finally:
+        os.close(descriptor)
 
 
 def to_srgb(linear: npt.ArrayLike, exposure: float) -> Image:

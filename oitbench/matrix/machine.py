@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from datetime import datetime, timezone
 from pathlib import Path
 
+from oitbench.errors import printable
 from oitbench.measure.disturbance import usable_cores
 from oitbench.results.schema import Commit, Renderer, RunFacts
 from oitbench.results.times import Processor
@@ -59,7 +60,7 @@ def collect(
         packages={name: package_version(name) for name in _PACKAGES},
         llvm=llvm,
         git=git_state(Path(__file__).parent),
-        argv=list(argv),
+        argv=[printable(argument) for argument in argv],
         seed=seed,
         methods=sorted(methods),
         date=datetime.now(timezone.utc).isoformat(timespec="seconds"),

@@ -26,6 +26,7 @@ def render(
     effects: str = REQUESTED,
     collections: Iterable[Path | str] = (),
     timeout: float | None = CELL_SECONDS,
+    memory_gib: float | None = None,
 ) -> tuple[Image, float]:
     """Render `scene` with `method` in a process of its own.
 
@@ -43,6 +44,8 @@ def render(
         Further collection folders.
     timeout : float, optional
         Seconds that the picture may take. None: no limit.
+    memory_gib : float, optional
+        Memory that the process may use, in GiB. Default: 75 % of the machine's.
 
     Returns
     -------
@@ -60,7 +63,7 @@ def render(
         folders = catalog.places.folders
     with (
         tempfile.TemporaryDirectory(prefix="oitbench-") as folder,
-        WorkerProcess(folders, (), Path(folder), memory.share(1)) as worker,
+        WorkerProcess(folders, (), Path(folder), memory.limit(memory_gib, 1)) as worker,
     ):
         file = Path(folder) / "image.npy"
         request = DrawPicture(scene, method, size, ssaa, effects, os.fsencode(file))

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from oitbench import parameters as selectors
-from oitbench.catalog.catalog import Catalog, Choice
+from oitbench.catalog.catalog import LOAD_SECONDS, Catalog, Choice
 from oitbench.effects import Effect
 from oitbench.errors import UsageError
 from oitbench.matrix.cell import Cell, choose_effects
@@ -157,13 +157,12 @@ def plan_matrix(
         )
     if timeout is not None and not 0 < timeout < math.inf:
         raise UsageError(f"timeout is {timeout:g} s; give seconds above 0, or none for no limit")
-    if memory_gib is not None and not 0 < memory_gib < math.inf:
-        raise UsageError(f"memory is {memory_gib:g} GiB; it must be above 0")
     for text in effects:
         if text != EACH:
             choose_effects(text, Effect.NONE)
-    limit = memory.share(workers) if memory_gib is None else int(memory_gib * memory.GIB)
-    with Catalog(collections, limit) as catalog:
+    limit = memory.limit(memory_gib, workers)
+    seconds = LOAD_SECONDS if timeout is None else min(timeout, LOAD_SECONDS)
+    with Catalog(collections, limit, seconds) as catalog:
         chosen_scenes = catalog.expand_scenes(scenes or _preset_scenes(catalog, chosen))
         chosen_methods = catalog.expand_methods(methods or _preset_methods(catalog, chosen))
         pairs = [

@@ -69,7 +69,7 @@ def write(
     page = out / "index.html"
     with writing_to(out):
         sections = build_sections(context, reports, timeout)
-        page.write_text(_render(context, sections), encoding="utf-8")
+        page.write_text(_render(context, sections), encoding="utf-8", errors="backslashreplace")
     return Page(page, tuple(section.error for section in sections if section.error))
 
 

@@ -1,4 +1,4 @@
-"""The sections of the page. A worker builds them, so that a faulty report costs its section only."""
+"""The sections of the page; a worker builds them, so that a faulty report costs only its own."""
 
 from __future__ import annotations
 

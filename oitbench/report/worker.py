@@ -66,7 +66,8 @@ def _begin(settings: Settings, on_step: OnStep) -> Callable[[BuildSection], Sect
                 printable(str(module.title)),
                 printable(" ".join((module.__doc__ or "").split())),
                 float(getattr(module, "order", LAST)),
-                body,
+                # A note may name a folder whose name is not UTF-8.
+                body.encode(errors="backslashreplace").decode(),
             )
         except OitbenchError:
             raise

@@ -21,6 +21,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from oitbench import json_text
 from oitbench.errors import UsageError
 from oitbench.image import metrics
 from oitbench.results.records import Results
@@ -130,7 +131,7 @@ def _read_folder(folder: Path) -> Snapshot:
 
 def _read_file(path: Path) -> Snapshot:
     try:
-        content = json.loads(path.read_bytes(), parse_constant=_refuse)
+        content = json_text.loads(path.read_bytes())
     except OSError as error:
         raise UsageError(f"{path} cannot be read ({error.strerror})") from error
     except ValueError as error:
@@ -144,10 +145,6 @@ def _read_file(path: Path) -> Snapshot:
         if not _is_row(fields):
             raise UsageError(f"{path}: the cell {name} is damaged; save a new baseline")
     return Snapshot(renderer, rows)
-
-
-def _refuse(constant: str) -> None:
-    raise ValueError(f"{constant} is not a number")
 
 
 def _is_row(fields: Any) -> bool:

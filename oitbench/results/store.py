@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import json
 import logging
 import os
 import re
@@ -15,6 +14,7 @@ from typing import TypeVar
 
 import msgspec
 
+from oitbench import json_text
 from oitbench.atomic import replacing
 from oitbench.errors import UsageError
 from oitbench.results.schema import VERSION, CellKey, Record, RunFacts
@@ -76,9 +76,9 @@ def _decode(text: bytes, kind: type[Typed], path: Path) -> Typed:
     """Return the record or the facts in `text`; raise `ValueError` if it is damaged."""
     try:
         return msgspec.json.decode(text, type=kind)
-    except (msgspec.DecodeError, UnicodeDecodeError) as error:
+    except (msgspec.DecodeError, UnicodeDecodeError, RecursionError) as error:
         try:
-            content = json.loads(text)
+            content = json_text.loads(text)
         except ValueError:
             content = None
         if isinstance(content, dict) and content and content.get("schema") != VERSION:

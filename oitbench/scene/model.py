@@ -13,6 +13,9 @@ from oitbench.scene.medium import Medium
 from oitbench.scene.objects import FragmentLists, Object
 from oitbench.scene.vectors import BLACK, RGB
 
+MOST_STOPS = 120
+"""Largest exposure: 2^exposure and the exposures of HDR-FLIP beside it are single floats."""
+
 
 @dataclass(frozen=True, eq=False)
 class Scene:
@@ -67,6 +70,10 @@ class Scene:
     def __post_init__(self) -> None:
         owner = f"scene {self.name}"
         require_finite(owner, background=self.background, exposure=self.exposure)
+        require(
+            abs(self.exposure) <= MOST_STOPS,
+            f"{owner}: exposure is {self.exposure:g} stops; keep it within ±{MOST_STOPS}",
+        )
         names = [item.name for item in self.objects]
         doubled = {name for name in names if names.count(name) > 1}
         require(not doubled, f"{owner}: two objects are named {sorted(doubled)}; rename one")

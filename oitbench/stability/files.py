@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import csv
-import json
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 import msgspec
 
+from oitbench import json_text
 from oitbench.atomic import replacing
 from oitbench.errors import UsageError
 from oitbench.results.schema import Renderer
@@ -63,7 +63,7 @@ def read(path: Path) -> list[CheckResult]:
         return msgspec.json.decode(text, type=StabilityFile).results
     except OSError as error:
         raise UsageError(f"{path} cannot be read: {error.strerror}") from error
-    except (msgspec.DecodeError, UnicodeDecodeError) as error:
+    except (msgspec.DecodeError, UnicodeDecodeError, RecursionError) as error:
         version = _version(text)
         if version not in (None, VERSION):
             raise UsageError(
@@ -76,7 +76,7 @@ def read(path: Path) -> list[CheckResult]:
 def _version(text: bytes) -> Any:
     """Return the schema of a JSON object, 0 if it has none, or None if this is no JSON object."""
     try:
-        content = json.loads(text)
+        content = json_text.loads(text)
     except ValueError:
         return None
     return content.get("schema", 0) if isinstance(content, dict) else None

@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+import math
 import time
 from contextlib import suppress
 from pathlib import Path
 
 import psutil
 
+from oitbench.errors import UsageError
+
 SHARE = 0.75
 """Share of the machine's memory that all workers together may use."""
 GIB = 2**30
+LEAST_GIB = 0.25
+"""Smallest limit: what a process needs before it begins to work."""
 
 _CGROUP_LIMITS = ("memory.max", "memory/memory.limit_in_bytes")
 _POLL_SECONDS = 0.25
@@ -31,6 +36,21 @@ def available(root: Path = Path("/sys/fs/cgroup")) -> int:
 def share(workers: int) -> int:
     """Return the bytes that each of some workers may use by default."""
     return int(SHARE * available() / workers)
+
+
+def limit(gib: float | None, workers: int) -> int:
+    """Return the bytes that each of some workers may use: `gib` in GiB, or the default share.
+
+    Raises
+    ------
+    UsageError
+        `gib` is less than a process needs to start, or not finite.
+    """
+    if gib is None:
+        return share(workers)
+    if not LEAST_GIB <= gib < math.inf:
+        raise UsageError(f"memory is {gib:g} GiB; give at least {LEAST_GIB:g}")
+    return int(gib * GIB)
 
 
 class Watch:

@@ -46,6 +46,6 @@ def spawn(*arguments: str, **environment: str) -> Answer:
         env={**os.environ, **environment},
         capture_output=True,
         text=True,
-        timeout=120,
+        timeout=600,
     )
     return Answer(done.returncode, done.stdout, done.stderr)

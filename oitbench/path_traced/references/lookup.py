@@ -104,16 +104,25 @@ def find_or_render(
     reference = render_reference(scene, label, size, ssaa)
     message = found.message if found is not None else ""
     try:
+        if cache is None:
+            raise UsageError("there is no home folder; set XDG_CACHE_HOME")
         save(_place_in_cache(cache, reference.info.fingerprint, size, ssaa), reference)
     except UsageError as error:
         message = f"{message}; not cached: {error}".removeprefix("; ")
     return replace(reference, message=message)
 
 
-def cache_folder() -> Path:
-    """Return the user's cache of references, below `XDG_CACHE_HOME` or `~/.cache`."""
+def cache_folder() -> Path | None:
+    """Return the user's cache of references, below `XDG_CACHE_HOME` or `~/.cache`.
+
+    None if neither exists: the user has no home folder, as in some containers.
+    """
     base = os.environ.get("XDG_CACHE_HOME")
-    return (Path(base) if base else Path.home() / ".cache") / "oitbench" / "references"
+    try:
+        folder = Path(base) if base else Path.home() / ".cache"
+    except RuntimeError:
+        return None
+    return folder / "oitbench" / "references"
 
 
 def _place_in_cache(cache: Path, digest: str, size: tuple[int, int], ssaa: int) -> Path:

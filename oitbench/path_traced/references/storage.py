@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from oitbench import json_text
 from oitbench.atomic import replacing
 from oitbench.errors import UsageError
 from oitbench.image import files as images
@@ -125,7 +126,7 @@ def read_manifest(folder: Path) -> dict[str, ReferenceInfo]:
     """
     path = folder / MANIFEST
     try:
-        manifest = json.loads(path.read_text(encoding="utf-8"))
+        manifest = json_text.loads(path.read_bytes())
         version, entries = manifest["version"], dict(manifest["references"])
     except (FileNotFoundError, NotADirectoryError):
         return {}
