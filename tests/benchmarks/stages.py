@@ -23,10 +23,11 @@ from pathlib import Path
 import numpy as np
 
 from oitbench.gl.device import Device
-from oitbench.gl.frame import OPAQUE_PICTURE, START, Frame
+from oitbench.gl.frame import START, Frame
 from oitbench.gl.uploaded_scene import UploadedScene
 from oitbench.measure.intervals import interval
 from oitbench.measure.rounds import Schedule
+from oitbench.measure.timing import OPAQUE_PICTURE
 from oitbench.method.passes import Gather, Objects, Pass
 from oitbench.plugins import Collection
 from oitbench.results.times import Interval, Time
