@@ -22,6 +22,7 @@ from oitbench.measure.disturbance import Usage
 from oitbench.measure.rounds import WARM_UP, Schedule
 from oitbench.measure.timing import MethodSample, Timings, remark
 from oitbench.results.times import Processor
+from oitbench.scene import Camera
 from tests.helpers import collection, method
 
 SORT, DRAW, OPAQUE, DERIVE = 5.0, 1.0, 2.0, 0.25
@@ -93,6 +94,16 @@ def test_sorting_is_a_part_of_the_method(device: Device, time: Time) -> None:
     # Geometry that stays in the order of submission is arranged once, before any frame.
     assert alpha_blend.method_ms.samples == [1000 * (DERIVE + DRAW)] * 9
     assert alpha_blend.sort_ms is None
+
+
+def test_every_sort_computes_the_distances_again(
+    device: Device, time: Time, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    time.slow(Camera, "view_distance", 0.5)
+    found = measured(device, time, "sorted_over", "sorted_two_pass[sort=triangle]").times
+    for one in found.values():
+        assert one.sort_ms is not None
+        assert one.sort_ms.samples == [1000 * (SORT + 0.5)] * 9
 
 
 def test_a_frame_is_the_sum_of_the_method_and_of_shading(device: Device, time: Time) -> None:
