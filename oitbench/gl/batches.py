@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import moderngl
@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from oitbench.method.passes import Order
-from oitbench.scene import Camera, Object
+from oitbench.scene import Camera, Floats, Object
 
 Units = npt.NDArray[np.int64]
 """(first triangle, count) of each unit, shape (n, 2)."""
@@ -26,16 +26,20 @@ class Batch:
         Indices into the vertices of the geometry.
     units : array, shape (n, 2), int64
         First triangle and number of triangles of each object.
-    keys : array, shape (m,), float64
-        View distance of each triangle's centroid in meters.
-    unit_keys : array, shape (n,), float64
-        View distance of the center of each object's bounding box in meters.
+    places : array, shape (m, ...), float64
+        Centroid of each triangle, or another place that `distances` understands.
+    unit_places : array, shape (n, ...), float64
+        Center of the bounding box of each object.
+    distances : callable
+        Returns the view distances of places in meters. They depend on the camera, so that each
+        sort computes them again.
     """
 
     triangles: npt.NDArray[np.uint32]
     units: Units
-    keys: npt.NDArray[np.float64]
-    unit_keys: npt.NDArray[np.float64]
+    places: Floats
+    unit_places: Floats
+    distances: Callable[[Floats], Floats]
 
     def __len__(self) -> int:
         return len(self.triangles)
@@ -58,11 +62,11 @@ class Batch:
             generator = np.random.default_rng(permutation)
             rank, units = generator.permutation(count), generator.permutation(units)
         if order is Order.TRIANGLES:
-            # Ties are broken by the triangle's own number, so a permutation changes nothing.
-            chosen = np.lexsort((np.arange(count), -self.keys))
+            # A permutation changes nothing.
+            chosen = _farthest_first(self.distances(self.places))
             return self.triangles[chosen], np.stack([np.arange(count), np.ones(count, int)], axis=1)
         if order is Order.OBJECTS:
-            units = np.lexsort((np.arange(len(self.units)), -self.unit_keys))
+            units = _farthest_first(self.distances(self.unit_places))
         if order is Order.SUBMISSION and permutation is not None and len(units) == 1:
             return self.triangles[rank], self.units
         runs = [np.arange(first, first + size) for first, size in self.units[units]]
@@ -71,6 +75,11 @@ class Batch:
         chosen = np.concatenate(runs) if runs else np.zeros(0, dtype=np.int64)
         sizes = self.units[units, 1]
         return self.triangles[chosen], np.stack([np.cumsum(sizes) - sizes, sizes], axis=1)
+
+
+def _farthest_first(distances: Floats) -> npt.NDArray[np.int64]:
+    """Return the order from the farthest to the nearest; equal ones stay in order."""
+    return np.lexsort((np.arange(len(distances)), -distances))
 
 
 @dataclass(frozen=True)
@@ -109,7 +118,7 @@ class IndexOrder:
 
 def batch_of(objects: Sequence[Object], camera: Camera, base: int) -> Batch:
     """Return the triangles of `objects`, whose vertices start at index `base`."""
-    triangles, units, keys, unit_keys = [], [], [], []
+    triangles, units, places, unit_places = [], [], [], []
     first = 0
     for item in objects:
         mesh = item.mesh
@@ -118,14 +127,14 @@ def batch_of(objects: Sequence[Object], camera: Camera, base: int) -> Batch:
         units.append((first, len(mesh.triangles)))
         first += len(mesh.triangles)
         corners = mesh.positions[mesh.triangles].astype(np.float64)
-        keys.append(camera.view_distance(corners.mean(axis=1)))
-        box = (mesh.positions.min(axis=0) + mesh.positions.max(axis=0)) / 2
-        unit_keys.append(camera.view_distance(box))
+        places.append(corners.mean(axis=1))
+        unit_places.append((mesh.positions.min(axis=0) + mesh.positions.max(axis=0)) / 2)
     return Batch(
         np.concatenate(triangles) if triangles else np.zeros((0, 3), np.uint32),
         np.array(units, dtype=np.int64).reshape(-1, 2),
-        np.concatenate(keys) if keys else np.zeros(0),
-        np.array(unit_keys, dtype=np.float64),
+        np.concatenate(places) if places else np.zeros((0, 3)),
+        np.array(unit_places, dtype=np.float64).reshape(-1, 3),
+        camera.view_distance,
     )
 
 
@@ -138,6 +147,7 @@ def part_of(batch: Batch, chosen: Sequence[int]) -> Batch:
     return Batch(
         batch.triangles[kept],
         np.stack([np.cumsum(sizes) - sizes, sizes], axis=1),
-        batch.keys[kept],
-        np.array([batch.unit_keys[number] for number in chosen], dtype=np.float64),
+        batch.places[kept],
+        batch.unit_places[np.asarray(chosen, dtype=np.int64)],
+        batch.distances,
     )

@@ -42,9 +42,7 @@ from oitbench.method.steps import passes_of
 Image = npt.NDArray[np.float32]
 _ATTEMPTS = 4
 START = "start of the frame"
-OPAQUE_PICTURE = "opaque picture"
-"""Parts of a timed frame that are no pass: copies, clears and buffers before the first pass, and
-the opaque picture as a part of shading."""
+"""The part of a timed frame before its first pass: copies, clears and buffers."""
 
 
 @dataclass(frozen=True)
@@ -202,9 +200,15 @@ class Frame(Owner):
 
     @property
     def shading_key(self) -> Hashable:
-        """A key that frames with equal work in `shade` share."""
-        occluded, effects = self.occlusion is not None, self.plan.effects & SHADING
-        return (self.lighting, occluded, effects, self.plan.color.format, self.plan.samples)
+        """A key that frames with equal work in `shade` share; None if they do nothing there."""
+        if not self.shading:
+            return None
+        return (self.lighting, self.occlusion is not None, self.plan.effects & SHADING)
+
+    @property
+    def backdrop_key(self) -> Hashable:
+        """A key that frames with equal work in `draw_backdrop` share."""
+        return (self.shading_key, self.plan.color.format, self.plan.samples)
 
     def render(self, transmittance: bool = False, permutation: int | None = None) -> None:
         """Render one complete frame. If memory for records runs out, it is enlarged first.
@@ -239,14 +243,16 @@ class Frame(Owner):
         raise CapabilityError(f"{self.plan.label}: buffers still overflow after {_ATTEMPTS} frames")
 
     def shade(self, lap: Lap = no_lap) -> None:
-        """Issue the shading that all methods share: shadow maps, occlusion, opaque picture.
+        """Issue the shading that all methods share: shadow maps and ambient occlusion.
 
-        The frame must have been rendered before. `lap` ends each part.
+        `lap` ends each part.
         """
         for stage in self.shading:
             stage.issue(lap)
+
+    def draw_backdrop(self) -> None:
+        """Issue the opaque picture. The frame must have been rendered before."""
         self._backdrop.draw(bool(self._transmittance))
-        lap(OPAQUE_PICTURE)
 
     def restore(self) -> None:
         """Copy the opaque picture to `color`, where the method's passes find it."""

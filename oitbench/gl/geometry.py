@@ -225,11 +225,12 @@ def _list_batch(lists: FragmentLists) -> tuple[list[npt.NDArray[np.void]], Batch
     vertices = np.zeros((layers, 3), VERTEX)
     vertices["in_position"] = [(-1, -1, 0), (3, -1, 0), (-1, 3, 0)]
     vertices["in_layer"] = np.arange(layers)[:, None]
-    # The mean depth of a layer is the best key for sorting.
-    keys = lists.z.mean(axis=(1, 2), dtype=np.float64)
+    # A layer has no place; its mean depth is the best key for sorting.
+    depths = lists.z.mean(axis=(1, 2), dtype=np.float64)
     units = np.stack([np.arange(layers), np.ones(layers, dtype=np.int64)], axis=1)
     triangles = np.arange(3 * layers, dtype=np.uint32).reshape(-1, 3)
-    return [vertices.reshape(-1)], Batch(triangles, units, keys, keys)
+    batch = Batch(triangles, units, depths, depths, distances=lambda places: places)
+    return [vertices.reshape(-1)], batch
 
 
 def _distinct(objects: Sequence[Object]) -> list[Material]:

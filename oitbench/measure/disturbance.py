@@ -9,6 +9,8 @@ from dataclasses import dataclass
 
 _WORKING = ("user", "nice", "system", "irq", "softirq", "steal")
 """Fields of the system's accounts that are not idle; another virtual machine steals time too."""
+_TICK = 0.01
+"""Resolution of the system's accounts in seconds."""
 
 
 @dataclass(frozen=True)
@@ -20,7 +22,7 @@ class Usage:
     all : float
         Of everything that ran on the cores that this process may use.
     own : float
-        Of this process with all its threads, and of its children that ended.
+        Of this process with all its threads.
     wall : float
         Time of a clock on the wall.
     cores : int
@@ -45,9 +47,7 @@ def usage() -> Usage | None:
         return None
     usable = [number for number in usable_cores() if number < len(accounts)]
     working = sum(getattr(accounts[core], kind, 0.0) for core in usable for kind in _WORKING)
-    own = os.times()
-    spent = own.user + own.system + own.children_user + own.children_system
-    return Usage(working, spent, time.monotonic(), len(usable))
+    return Usage(working, time.process_time(), time.monotonic(), len(usable))
 
 
 def usable_cores() -> list[int]:
@@ -61,12 +61,13 @@ def foreign_share(before: Usage | None, after: Usage | None) -> float | None:
     """Return the share of the CPU time that other processes took between two moments.
 
     It is relative to all time of all usable cores: 0 on an idle machine, and 0.5 if one of two
-    cores was busy with something else. None if it is unknown.
+    cores was busy with something else. None if it is unknown. One tick per core is not counted:
+    the accounts of the system may be wrong by that much, which matters in short blocks.
     """
     if before is None or after is None:
         return None
     offered = (after.wall - before.wall) * after.cores
     if offered <= 0:
         return None
-    foreign = (after.all - before.all) - (after.own - before.own)
+    foreign = (after.all - before.all) - (after.own - before.own) - _TICK * after.cores
     return min(1.0, max(0.0, foreign / offered))

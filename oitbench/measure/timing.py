@@ -1,7 +1,8 @@
 """Times of frames that can be compared: of methods, of their passes, and of shared shading.
 
 All frames of a scene are timed together. In each round every method is timed twice, as a whole and
-by its passes, and so is the shading that methods share, once for each set of its effects.
+by its passes. So are the shadow maps and the ambient occlusion, which all methods share, once for
+each set of effects. The opaque picture is timed once for each number format and sample count.
 """
 
 from __future__ import annotations
@@ -21,7 +22,10 @@ from oitbench.measure.intervals import interval
 from oitbench.measure.rounds import Schedule
 from oitbench.results.times import DISTURBED, Block, PassTime, Processor, Time
 
-_Task = tuple[Literal["method", "passes", "shading", "stages"], Hashable]
+OPAQUE_PICTURE = "opaque picture"
+"""Name of the part of shading that is timed by itself."""
+_Kind = Literal["method", "passes", "opaque", "shading", "stages"]
+_Task = tuple[_Kind, Hashable]
 
 
 @dataclass(frozen=True)
@@ -90,7 +94,7 @@ def measure(
     errors = {key: error for found in attempts for key, error in found.counted.errors.items()}
     found = Timings()
     for name, frame in frames.items():
-        failed = [errors[key] for key in _tasks_of(name, frame) if key in errors]
+        failed = [errors[key] for key in _tasks_of(name, frame).values() if key in errors]
         if failed:
             found.errors[name] = failed[0]
         else:
@@ -98,21 +102,28 @@ def measure(
     return found
 
 
-def _tasks_of(name: str, frame: Frame) -> list[_Task]:
-    key = frame.shading_key
-    return [("method", name), ("passes", name), ("shading", key), ("stages", key)]
+def _tasks_of(name: str, frame: Frame) -> dict[_Kind, _Task]:
+    """Return the tasks that the times of a frame need, by kind."""
+    keys: dict[_Kind, Hashable] = {"method": name, "passes": name, "opaque": frame.backdrop_key}
+    if frame.shading:
+        keys |= {"shading": frame.shading_key, "stages": frame.shading_key}
+    return {kind: (kind, key) for kind, key in keys.items()}
 
 
 def _tasks(frames: Mapping[str, Frame], clock: Clock) -> dict[_Task, Callable[[], object]]:
     """Return the tasks of all frames; frames with the same shading share its tasks."""
-    tasks: dict[_Task, Callable[[], object]] = {}
-    for name, frame in frames.items():
-        method, passes, shading, stages = _tasks_of(name, frame)
-        tasks[method] = partial(time_method, frame, clock)
-        tasks[passes] = partial(_time_passes, frame, clock)
-        tasks[shading] = partial(_time_shading, frame, clock)
-        tasks[stages] = partial(_time_stages, frame, clock)
-    return tasks
+    run: dict[_Kind, Callable[[Frame, Clock], object]] = {
+        "method": time_method,
+        "passes": _time_passes,
+        "opaque": _time_opaque,
+        "shading": _time_shading,
+        "stages": _time_stages,
+    }
+    return {
+        task: partial(run[kind], frame, clock)
+        for name, frame in frames.items()
+        for kind, task in _tasks_of(name, frame).items()
+    }
 
 
 def time_method(frame: Frame, clock: Clock) -> MethodSample:
@@ -126,6 +137,10 @@ def _time_passes(frame: Frame, clock: Clock) -> Parts:
     frame.restore()
     frame.orders.sort()
     return clock.parts(frame.composite)
+
+
+def _time_opaque(frame: Frame, clock: Clock) -> float:
+    return clock.draw(frame.draw_backdrop).ms
 
 
 def _time_shading(frame: Frame, clock: Clock) -> float:
@@ -145,22 +160,30 @@ def _attempt(
 
 
 def _time(name: str, frame: Frame, counted: rounds.Counted[_Task], block: Block) -> Time:
-    method, passes, shading, stages = (counted.samples[key] for key in _tasks_of(name, frame))
+    found = {kind: counted.samples[task] for kind, task in _tasks_of(name, frame).items()}
+    method: list[MethodSample] = found["method"]
+    times = [sample.ms for sample in method]
+    opaque = found["opaque"]
+    shading = _sums(opaque, found["shading"]) if frame.shading else opaque
+    stages = _parts(found["stages"], {}) if frame.shading else []
     sorts = [sample.sort for sample in method if sample.sort is not None]
     gpu = [sample.drawn.gpu for sample in method if sample.drawn.gpu is not None]
-    times = [sample.ms for sample in method]
     return Time(
         method_ms=interval(times),
         sort_ms=interval(sorts) if sorts else None,
         gpu_ms=interval(gpu) if gpu else None,
         shading_ms=interval(shading),
-        # A slow method takes part in fewer rounds than the shading that it shares.
-        frame_ms=interval([sum(pair) for pair in zip(times, shading, strict=False)]),
-        passes=_parts(passes, frame.plan.parts),
-        shading=_parts(stages, {}),
+        frame_ms=interval(_sums(times, shading)),
+        passes=_parts(found["passes"], frame.plan.parts),
+        shading=[*stages, PassTime(OPAQUE_PICTURE, interval(opaque))],
         block=block,
-        remark=remark(method, passes),
+        remark=remark(method, found["passes"]),
     )
+
+
+def _sums(one: Sequence[float], other: Sequence[float]) -> list[float]:
+    """Return the sums of each round. A slow task takes part in fewer rounds than others."""
+    return [sum(pair) for pair in zip(one, other, strict=False)]
 
 
 def _parts(rounds: Sequence[Parts], labels: Mapping[int, str]) -> list[PassTime]:

@@ -1,6 +1,6 @@
-"""Print and plot the frame time of each method against the number of layers.
+"""Print and plot the method time of each method against the number of layers.
 
-    python tests/benchmarks/layers.py [METHOD ...]
+    python -m tests.benchmarks.layers [METHOD ...]
 
 Layers of random depth cover a frame of 128×128 pixels. Their number doubles from 8 to 512. The
 slope of a log-log fit is the order of growth: 1 is linear in the number of layers, 2 is quadratic.
@@ -19,22 +19,23 @@ from oitbench.errors import CapabilityError
 from oitbench.gl.device import Device
 from oitbench.gl.frame import Frame
 from oitbench.gl.uploaded_scene import UploadedScene
-from oitbench.measure import timing
+from oitbench.measure.rounds import Schedule
 from oitbench.method.declaration import Method
 from oitbench.plugins import Collection
 from oitbench.report import figures, labels, palette
+from tests.benchmarks.timed import time_frames
 
 SIDE = 128
 COUNTS = (8, 16, 32, 64, 128, 256, 512)
-ROUNDS = 5
+SCHEDULE = Schedule(rounds=9, budget=20.0)
 TOO_LONG = 800.0
-"""Frame time, ms, above which a method is not measured with more layers."""
+"""Method time, ms, above which a method is not measured with more layers."""
 OUT = Path("results/benchmarks")
 Times = dict[str, dict[int, float]]
 
 
 def measure(methods: list[Method], collection: Collection) -> Times:
-    """Return the median frame times, ms, by method and number of layers."""
+    """Return the median method times, ms, by method and number of layers."""
     device = Device()
     times: Times = {method.label: {} for method in methods}
     for count in COUNTS:
@@ -51,8 +52,8 @@ def measure(methods: list[Method], collection: Collection) -> Times:
                 continue
             frame.render()
             frames[method.label] = frame
-        for label, item in timing.measure(frames, ROUNDS, budget=20).items():
-            times[label][count] = float(np.median(item.frame_ms))
+        for label, time in time_frames(device, frames, SCHEDULE).items():
+            times[label][count] = time.method_ms.median
         for frame in frames.values():
             frame.release()
         uploaded.release()
@@ -83,10 +84,10 @@ def plot(times: Times, methods: list[Method], known: list[str]) -> None:
         axes.set_xticks(COUNTS, [str(count) for count in COUNTS])
         axes.set_xlim(COUNTS[0] * 0.9, COUNTS[-1] * 6)
         axes.set_xlabel("layers per pixel")
-        axes.set_ylabel(f"frame time at {SIDE}×{SIDE}, ms")
+        axes.set_ylabel(f"method time at {SIDE}×{SIDE}, ms")
         curves = [(list(points), list(points.values())) for points in times.values()]
         labels.place(axes, marks, lines=curves)
-        caption = "Frame time against layers per pixel. The number is the fitted exponent."
+        caption = "Method time against layers per pixel. The number is the fitted exponent."
         figures.save(figure, OUT / "layers", title="Cost of layers", caption=caption)
 
 

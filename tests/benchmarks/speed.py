@@ -1,6 +1,6 @@
-"""Print frame times as ratios to alpha blending. This is a script to run by hand, not a test.
+"""Print method times as ratios to alpha blending. This is a script to run by hand, not a test.
 
-    python tests/benchmarks/speed.py [METHOD ...]
+    python -m tests.benchmarks.speed [METHOD ...]
 
 The scene has 32 overlapping quads at 512×512 pixels, about 3.4 million fragments. All methods are
 timed in shuffled rounds of one run, so that a drift of the machine's speed affects all equally.
@@ -19,14 +19,16 @@ import numpy as np
 from oitbench.gl.device import Device
 from oitbench.gl.frame import Frame
 from oitbench.gl.uploaded_scene import UploadedScene
-from oitbench.measure import timing
+from oitbench.measure.rounds import Schedule
 from oitbench.plugins import Collection
+from oitbench.results.times import Time
 from oitbench.scene import Camera, Material, Mesh, Object, Scene
+from tests.benchmarks.timed import time_frames, write_ends
 
 SIZE = (512, 512)
 BASE = "alpha_blend"
 METHODS = (BASE, "weighted_blended", "sorted_over", "sorted_two_pass", "a_buffer[node=compact]")
-ROUNDS = 21
+SCHEDULE = Schedule(rounds=21, budget=120.0)
 
 
 def overlapping_quads(count: int = 32, seed: int = 1) -> Scene:
@@ -65,23 +67,22 @@ def main(names: list[str]) -> None:
     frames = frames_of(uploaded, names, SIZE)
     fragments = int(frames[BASE].complexity.sum())
     print(f"{device.renderer}: {SIZE[0]}x{SIZE[1]}, {fragments / 1e6:.2f} M fragments")
-    timings = timing.measure(frames, ROUNDS, budget=120)
+    timings = time_frames(device, frames, SCHEDULE)
     tiny = frames_of(uploaded, names, (1, 1))
     # Without draws, a frame consists of Python code and changes of OpenGL state.
     with patch.object(moderngl.VertexArray, "render", lambda *_, **__: None):
-        shares = timing.measure(tiny, ROUNDS, budget=10)
-    base = np.array(timings[BASE].frame_ms)
-    print(f"{'method':34} {'ms':>8} {'low':>8} {'high':>8} {'ratio':>7} {'python ms':>10}")
+        shares = time_frames(device, tiny, SCHEDULE)
+    base = np.array(timings[BASE].method_ms.samples)
+    print(f"{'method':34} {'ms':>8} {'interval':>20} {'sort ms':>8} {'ratio':>8} {'python ms':>10}")
     for name, item in timings.items():
-        facts = timing.interval(item.frame_ms)
-        ratio = float(np.median(np.array(item.frame_ms) / base))
-        share = float(np.median(shares[name].frame_ms))
+        samples = np.array(item.method_ms.samples)
+        ratio = float(np.median(samples / base[: len(samples)]))
+        sort = f"{item.sort_ms.median:.2f}" if item.sort_ms else ""
         print(
-            f"{name:34} {facts.median:8.2f} {facts.low:8.2f} {facts.high:8.2f}"
-            f" {ratio:6.2f}x {share:10.2f}"
+            f"{name:34} {item.method_ms.median:8.2f} {write_ends(item.method_ms):>20} {sort:>8}"
+            f" {ratio:7.2f}x {shares[name].method_ms.median:10.2f}"
         )
-        for record in passes_of(frames[name]):
-            print(f"    {record}")
+        print(*parts_of(item), sep="\n")
     seconds = []
     for _ in range(5):
         start = time.perf_counter()
@@ -90,10 +91,10 @@ def main(names: list[str]) -> None:
     print(f"oitbench list: {np.median(seconds):.2f} s")
 
 
-def passes_of(frame: Frame) -> list[str]:
-    """Return one line per pass with its time; each pass is finished before the next one starts."""
-    passes = frame.measure().passes
-    return [f"{record.name:20} {record.milliseconds:8.2f} ms" for record in passes]
+def parts_of(time: Time) -> list[str]:
+    """Return one line per part of the drawing, timed alone, and the remark on their sum."""
+    lines = [f"    {part.name:30} {part.ms.median:8.2f} ms" for part in time.passes]
+    return [*lines, f"    {time.remark}"] if time.remark else lines
 
 
 if __name__ == "__main__":

@@ -15,6 +15,7 @@ import pytest
 
 from oitbench.gl.capabilities import CAPABILITIES, MECHANISMS
 from oitbench.gl.device import Device
+from oitbench.gl.timestamps import Timestamps
 from oitbench.measure.oracle import composite
 from oitbench.method.formats import FORMATS
 from tests.helpers import BACKGROUND, method, opened, random_lists, render, scene_of, tolerance
@@ -76,14 +77,18 @@ def test_lists_that_overflow_are_drawn_again_with_enough_memory(device: Device) 
         assert (frame.resources.demand > few).all()
 
 
-def test_time_queries_measure_something(device: Device) -> None:
-    with opened(device, scene_of(random_lists(COUNT, side=64)), "a_buffer") as frame:
+def test_timestamps_enclose_the_work_of_a_frame(device: Device) -> None:
+    lists = random_lists(COUNT, side=64)
+    with opened(device, scene_of(lists), "a_buffer") as frame, Timestamps(device) as stamps:
         frame.render()
-        query = device.time_query
-        with query:
-            frame.issue()
-        device.finish()
-        assert query.elapsed > 0
+        frame.restore()
+        stamps.stamp()
+        frame.composite(lambda key: stamps.stamp())
+        found = stamps.read()
+    parts = len(frame.plan.parts) + 1  # the start of the frame
+    assert len(found) == parts + 1
+    assert found == sorted(found)
+    assert found[-1] > found[0]
 
 
 @pytest.mark.parametrize("name", [name for name in FORMATS if not name.startswith("depth")])

@@ -115,7 +115,7 @@ def cheat(folder: Path, honest_calls: int) -> Collection:
     )
     (folder / "cheat" / "method.py").write_text(text, encoding="utf-8")
     plugins = Collection.load()
-    plugins.add_method(folder / "cheat")
+    plugins.places.add_method(folder / "cheat")
     return plugins
 
 

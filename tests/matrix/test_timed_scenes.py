@@ -9,11 +9,11 @@ import pytest
 
 from oitbench.errors import CapabilityError
 from oitbench.matrix.cell import Cell
-from oitbench.workers.process import WorkerError
 from oitbench.matrix.timed_cells import ScoredCell, Timing
 from oitbench.matrix.timed_scenes import Pair, due_scenes, time_scene
 from oitbench.results.schema import Record
 from oitbench.results.times import Processor
+from oitbench.workers.process import WorkerError
 from tests.made_up import failed, record, timed
 
 NEW = timed(5.0)
@@ -34,7 +34,7 @@ def ask(*dying: str, groups: list[str] | None = None) -> Callable[[list[ScoredCe
         if groups is not None:
             groups.append(names)
         if any(name in names for name in dying):
-            raise WorkerError("the worker process ended with code 7", timeout=False)
+            raise WorkerError("the worker process ended with code 7", "ended")
         return [Timing(NEW) for _ in cells]
 
     return answer

@@ -9,13 +9,19 @@ from oitbench.measure.disturbance import Usage, foreign_share, usable_cores, usa
 
 @pytest.mark.parametrize(
     ("everything", "own", "share"),
-    [(2.0, 2.0, 0.0), (2.0, 1.0, 0.25), (4.0, 0.0, 1.0), (1.0, 1.25, 0.0), (9.0, 0.0, 1.0)],
-    ids=["alone", "half of a core", "both cores", "ticks of own time", "more than there is"],
+    [(2.0, 2.0, 0.0), (2.02, 1.0, 0.25), (4.02, 0.0, 1.0), (1.0, 1.25, 0.0), (9.0, 0.0, 1.0)],
+    ids=["alone", "half of a core", "both cores", "own time is precise", "more than there is"],
 )
 def test_the_share_is_of_all_time_of_all_cores(everything: float, own: float, share: float) -> None:
     before = Usage(100.0, 10.0, 50.0, cores=2)
     after = Usage(100.0 + everything, 10.0 + own, 52.0, cores=2)
-    assert foreign_share(before, after) == share
+    assert foreign_share(before, after) == pytest.approx(share)
+
+
+@pytest.mark.parametrize(("everything", "share"), [(0.12, 0.0), (0.14, 0.1)])
+def test_ticks_of_a_short_block_are_not_foreign(everything: float, share: float) -> None:
+    before, after = Usage(0.0, 0.0, 0.0, cores=2), Usage(everything, 0.1, 0.1, cores=2)
+    assert foreign_share(before, after) == pytest.approx(share)
 
 
 def test_an_unknown_share_is_none() -> None:

@@ -22,6 +22,7 @@ from oitbench.measure.disturbance import Usage
 from oitbench.measure.rounds import WARM_UP, Schedule
 from oitbench.measure.timing import MethodSample, Timings, remark
 from oitbench.results.times import Processor
+from oitbench.scene import Camera
 from tests.helpers import collection, method
 
 SORT, DRAW, OPAQUE, DERIVE = 5.0, 1.0, 2.0, 0.25
@@ -95,11 +96,20 @@ def test_sorting_is_a_part_of_the_method(device: Device, time: Time) -> None:
     assert alpha_blend.sort_ms is None
 
 
+def test_every_sort_computes_the_distances_again(
+    device: Device, time: Time, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    time.slow(Camera, "view_distance", 0.5)
+    found = measured(device, time, "sorted_over", "sorted_two_pass[sort=triangle]").times
+    for one in found.values():
+        assert one.sort_ms is not None
+        assert one.sort_ms.samples == [1000 * (SORT + 0.5)] * 9
+
+
 def test_a_frame_is_the_sum_of_the_method_and_of_shading(device: Device, time: Time) -> None:
     found = measured(device, time, "alpha_blend").times["alpha_blend"]
     assert found.shading_ms.samples == [1000 * OPAQUE] * 9
     assert found.frame_ms.samples == [1000 * (OPAQUE + DERIVE + DRAW)] * 9
-    assert [part.name for part in found.shading] == ["opaque picture"]
     assert found.gpu_ms is None
     assert found.block.clock == "wall"
     assert found.block.cpu == CPU
@@ -122,31 +132,52 @@ def test_every_pass_has_samples(device: Device, time: Time) -> None:
     assert found["sorted_two_pass"].passes[1].ms.median == 1000 * 2 * 3 * DRAW
 
 
-def test_equal_shading_is_timed_once_per_round(
-    device: Device, time: Time, monkeypatch: pytest.MonkeyPatch
-) -> None:
+LIT = "foggy_street[detail=0.05]"
+
+
+def calls_of(patch: pytest.MonkeyPatch, name: str) -> list[Frame]:
+    """Return a list that grows with each call of a method of `Frame`."""
     calls: list[Frame] = []
-    shade = Frame.shade
+    original = getattr(Frame, name)
 
     def counted(frame: Frame, *arguments: Any) -> None:
         calls.append(frame)
-        shade(frame, *arguments)
+        original(frame, *arguments)
 
-    monkeypatch.setattr(Frame, "shade", counted)
-    found = measured(device, time, "alpha_blend", "weighted_blended", "a_buffer").times
-    # `a_buffer` has an opaque picture in another number format.
-    assert len(calls) == 2 * 2 * (9 + WARM_UP)
-    assert found["alpha_blend"].shading_ms == found["weighted_blended"].shading_ms
+    patch.setattr(Frame, name, counted)
+    return calls
 
 
-def test_effects_of_shading_are_parts_of_shading(device: Device, time: Time) -> None:
-    found = measured(
-        device, time, "alpha_blend", "phenomenological", scene="foggy_street[detail=0.05]"
-    ).times
-    names = {name: {part.name for part in one.shading} for name, one in found.items()}
-    assert {"shadow maps", "opaque picture"} <= names["alpha_blend"]
+def test_shared_shading_is_timed_once_per_round(
+    device: Device, time: Time, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    shaded, opaque = (calls_of(monkeypatch, name) for name in ("shade", "draw_backdrop"))
+    names = ("alpha_blend", "weighted_blended", "phenomenological", "a_buffer")
+    found = measured(device, time, *names, scene=LIT).times
+    # As a whole and by its parts. `a_buffer` has an opaque picture in another number format.
+    assert len(shaded) == 2 * (9 + WARM_UP)
+    assert len(opaque) == 2 * (9 + WARM_UP)
     # Fog is drawn by the method: its shading is that of a method without fog.
+    assert len({str(found[name].shading[:-1]) for name in names}) == 1
     assert found["alpha_blend"].shading_ms == found["phenomenological"].shading_ms
+
+
+def test_shading_is_the_sum_of_its_parts(device: Device, time: Time) -> None:
+    one = measured(device, time, "alpha_blend", scene=LIT).times["alpha_blend"]
+    parts = {part.name: part.ms.median for part in one.shading}
+    assert list(parts) == ["shadow maps", "variance maps", "opaque picture"]
+    assert all(median >= 1000 * DRAW for median in parts.values())
+    assert one.shading_ms.samples == [sum(parts.values())] * 9
+    assert one.frame_ms.samples == [one.shading_ms.median + one.method_ms.median] * 9
+
+
+def test_a_scene_without_lights_has_no_other_shading(
+    device: Device, time: Time, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    shaded = calls_of(monkeypatch, "shade")
+    found = measured(device, time, "alpha_blend").times["alpha_blend"]
+    assert [part.name for part in found.shading] == ["opaque picture"]
+    assert shaded == []
 
 
 def test_a_frame_that_fails_costs_no_other_its_times(
@@ -169,13 +200,13 @@ def moments(shares: Iterable[float]) -> Iterator[Usage]:
     """Yield the CPU time before and after blocks in which others took these shares of it."""
     for share in shares:
         yield Usage(0.0, 0.0, 0.0, cores=2)
-        yield Usage(2.0 + 2 * 10 * share, 2.0, 10.0, cores=2)
+        yield Usage(2.02 + 2 * 10 * share, 2.0, 10.0, cores=2)
 
 
 @pytest.mark.parametrize(
     ("shares", "foreign", "repeated", "disturbed"),
     [
-        ([0.05], 0.05, False, False),
+        ([0.049], 0.049, False, False),
         ([0.06, 0.01], 0.01, True, False),
         ([0.06, 0.20], 0.06, True, True),
         ([0.30, 0.07], 0.07, True, True),
