@@ -14,6 +14,7 @@ import numpy.typing as npt
 
 from oitbench.errors import CapabilityError, unknown
 from oitbench.gl.capabilities import CAPABILITIES, FETCH, MECHANISMS, is_software, loop_limit
+from oitbench.gl.shader_cache import avoid_full_disk
 from oitbench.method.blending import Blend
 from oitbench.method.formats import Format
 
@@ -69,6 +70,7 @@ class Device:
     """
 
     def __init__(self) -> None:
+        avoid_full_disk()
         try:
             backend = glcontext.get_backend_by_name("egl")(
                 mode="standalone", libgl="libGL.so.1", libegl="libEGL.so.1", glversion=450

@@ -16,6 +16,9 @@ from oitbench.matrix.pool import WorkerProcess
 from oitbench.matrix.worker import DrawPicture, PictureDrawn
 from oitbench.method.ablation import REQUESTED
 from oitbench.workers import memory
+from oitbench.workers.messages import Step
+
+_DRAWING = Step("drawing the picture")
 
 
 def render(
@@ -67,6 +70,6 @@ def render(
     ):
         file = Path(folder) / "image.npy"
         request = DrawPicture(scene, method, size, ssaa, effects, os.fsencode(file))
-        drawn = worker.ask(request, PictureDrawn, timeout)
+        drawn = worker.ask(request, PictureDrawn, timeout, _DRAWING)
         image: Image = np.load(file)
     return image, drawn.exposure

@@ -30,6 +30,10 @@ _START = (
     "from importlib import import_module; import_module(sys.argv[1]).main()"
 )
 _STARTING = Step("starting")
+_HINTS: dict[int, str] = {
+    signal.SIGKILL: ", perhaps by the system for lack of memory",
+    signal.SIGBUS: ", perhaps because a disk is full",
+}
 
 
 class WorkerError(OitbenchError):
@@ -287,5 +291,5 @@ def _describe_end(code: int) -> str:
         name = signal.Signals(-code).name
     except ValueError:
         name = "unknown"
-    hint = ", perhaps by the system for lack of memory" if -code == signal.SIGKILL else ""
+    hint = _HINTS.get(-code, "")
     return f"the worker process was ended by signal {-code} ({name}){hint}"
