@@ -6,7 +6,7 @@
 #   ./reproduce.sh --setup-only [EXTRA]  the set-up alone, with an optional extra of pyproject.toml
 #
 # Needs Debian or Ubuntu with Python 3.10 or newer; PYTHON names another interpreter. It can be
-# run again; installed parts are kept.
+# run again; installed parts are kept, unless PYTHON has another version than they were made with.
 set -euo pipefail
 
 root=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")" && pwd)
@@ -71,12 +71,23 @@ install_packages() {
         apt-get install -y -qq --no-install-recommends "${missing[@]}" >/dev/null
 }
 
+# Prints the version of a Python interpreter.
+version_of() {
+    "$1" -c 'import platform; print(platform.python_version())'
+}
+
+# Succeeds if .venv works, and has the version of the interpreter that PYTHON names, if it is set.
+has_environment() {
+    "$python" -m pip --version >/dev/null 2>&1 || return 1
+    [[ -z ${PYTHON:-} || $(version_of "$python") == "$(version_of "$PYTHON")" ]]
+}
+
 # Makes .venv with the project and an extra; returns at once if this pyproject.toml is installed.
 install_project() {
     local extra=${1:-} stamp=$root/.venv/installed wanted
     wanted="$(cksum <"$root/pyproject.toml") $root"
     if [[ -n $extra ]]; then stamp+=-$extra; fi
-    if ! "$python" -m pip --version >/dev/null 2>&1; then
+    if ! has_environment; then
         say "Making .venv ..."
         "$system_python" -m venv --clear "$root/.venv"
     elif [[ -f $stamp && $(<"$stamp") == "$wanted" ]]; then

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import signal
 import subprocess
@@ -15,6 +16,7 @@ import psutil
 import pytest
 
 from oitbench.errors import UsageError
+from oitbench.workers import memory
 from oitbench.workers.memory import available
 from oitbench.workers.process import Process, WorkerError
 from tests.workers.far import Act, Done, Word
@@ -172,6 +174,15 @@ def test_files_of_the_working_directory_hide_no_module(
     monkeypatch.chdir(tmp_path)
     with Process("tests.workers.far", Word("!"), Done, LIMIT) as worker:
         assert answer(worker, "work") == "fine"
+
+
+def test_workers_share_three_quarters_of_the_memory() -> None:
+    assert memory.limit(None, 1) == int(0.75 * available())
+    assert memory.limit(None, 4) == pytest.approx(memory.limit(None, 1) / 4, abs=1)
+    assert memory.limit(1.5, 4) == 3 * 2**29
+    for wrong in (0.2, -1.0, math.inf, math.nan):
+        with pytest.raises(UsageError, match="give at least"):
+            memory.limit(wrong, 1)
 
 
 def test_a_container_may_have_less_memory_than_the_machine(tmp_path: Path) -> None:
