@@ -171,6 +171,24 @@ def test_a_picture_that_cannot_be_drawn_is_one_line(
     assert not (tmp_path / "x.png").exists()
 
 
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ("stability", "--method", "m_exits"),
+        ("visibility", "fine", "--pixel", "4,4", "--size", "8x8", "--method", "m_exits"),
+        ("visibility", "s_exits", "--pixel", "4,4", "--size", "8x8", "--method", "good"),
+        ("reference", "s_exits", "--size", "8x8"),
+    ],
+)
+def test_commands_that_run_plugins_themselves_refuse_a_file_that_exits(
+    faulty: Path, tmp_path: Path, arguments: tuple[str, ...]
+) -> None:
+    option = "-o" if arguments[0] == "reference" else "--out"
+    answer = spawn(*arguments, option, str(tmp_path / "out"), "--collection", str(faulty))
+    assert (answer.code, answer.out) == (2, "")
+    assert REASONS["exits"] in answer.err.splitlines()[-1]
+
+
 def test_the_page_lacks_only_faulty_sections(
     faulty: Path, run: tuple[Answer, Path], tmp_path: Path
 ) -> None:
