@@ -26,7 +26,7 @@ from oitbench.report import (
     times,
     write_table,
 )
-from oitbench.report.artifacts import Marked, Row
+from oitbench.report.artifacts import Row, Value
 from oitbench.report.cells import effect_label, effect_labels, most_complete
 from oitbench.report.effect_costs import EffectCost, SavedTime, effect_costs
 from oitbench.results.records import Panel
@@ -193,10 +193,11 @@ def _rows(panel: Panel, costs: Sequence[EffectCost], flip: str) -> Iterator[Row]
         )
 
 
-def _saved(cost: EffectCost) -> list[float | None]:
-    """Return the saved time and its interval, with a sign if other processes disturbed it."""
-    values = cost.time or (None, None, None)
-    return [value if value is None or not cost.disturbed else Marked(value) for value in values]
+def _saved(cost: EffectCost) -> list[Value]:
+    """Return the saved time, its interval, and whether other processes disturbed it."""
+    median, low, high = cost.time or (None, None, None)
+    numbers = {"saved_ms": median, "saved_ms_low": low, "saved_ms_high": high}
+    return list(times.marked(numbers, cost.disturbed).values())
 
 
 def _table(context: ReportContext, rows: Sequence[Row]) -> Artifact:
@@ -210,6 +211,7 @@ def _table(context: ReportContext, rows: Sequence[Row]) -> Artifact:
         Column("saved_ms", "Saves", "ms", help="median difference of the frame times"),
         Column("saved_ms_low", "Low", "ms", help="lower end of its interval"),
         Column("saved_ms_high", "High", "ms", help="upper end of its interval"),
+        columns.DISTURBED,
         Column("saved_mib", "Memory", "MiB", help="saved memory, shared shading included"),
         Column(
             "saved_mb", "Traffic", "MB", help="saved bytes per frame, 10^6; with shared shading"

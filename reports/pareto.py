@@ -1,9 +1,9 @@
 """Method time against FLIP error, one figure per scene.
 
 There are two truths: exact compositing of the same fragments, and path tracing of the same scene.
-Method time is everything that a method adds to a frame: sorting, uploading what was sorted, and all
-of its passes. Shadow maps, ambient occlusion and the opaque picture are the same for all methods;
-they are timed apart, and the table adds them up to the frame time. The gray line is the Pareto
+Method time is everything that a method adds to a frame: the sort on the CPU with its upload, and
+all passes. Shadow maps, ambient occlusion and the opaque picture are the same for all methods; they
+are timed apart, and the table adds them up to the frame time. The gray line is the Pareto
 front: the methods for which no other method is both faster and at least as accurate. Error bars are
 intervals that hold the true median with at least 95 %. The shaded band above the lowest path-traced
 error is as high as the noise floor of the path-traced reference: methods in the band are tied.
@@ -270,7 +270,7 @@ def _rows(panel: Panel, points: Mapping[str, list[Point]]) -> Iterator[Row]:
     for truth, found in points.items():
         best = front(found)
         for point in found:
-            values = times.marked(flat_times(point.times), point.times)
+            values = times.marked(flat_times(point.times), point.times.block.disturbed)
             yield (
                 panel.title,
                 point.method,

@@ -37,7 +37,7 @@ def build(context: ReportContext) -> list[Artifact]:
         "negative; there are no metrics if a pixel is not finite. Equal ranks, marked with =, are "
         "ties: the errors differ by no more than the noise floor of the path-traced reference. "
         "Cells with effects left out have no rank. Method time is everything that a method adds to "
-        "a frame, its sorting included. Shading is the same for all methods of a scene, and frame "
+        "a frame, its sort included. Shading is the same for all methods of a scene, and frame "
         "time is the median sum of both." + times.explain(context.results.records)
     )
     return [
@@ -82,7 +82,7 @@ def _row(
     rank: str | None = None,
     left_out: str = "",
 ) -> Row:
-    values = times.marked(flat(cell), cell.time) | {
+    values = times.marked(flat(cell), times.is_disturbed(cell)) | {
         "scene": panel.title,
         "left_out": left_out,
         "path_traced.rank": rank,

@@ -1,6 +1,6 @@
 """The parts of each frame's time.
 
-Sorting and the passes belong to the method. Shading, in gray, is the same for all methods of a
+The sort and the passes belong to the method. Shading, in gray, is the same for all methods of a
 scene: shadow maps, ambient occlusion and the opaque picture. The passes are timed one by one, in
 frames of their own, so they can add up to more than the method time at the end of the bar, which is
 that of whole frames.
@@ -22,7 +22,7 @@ from oitbench.report import (
     times,
 )
 from oitbench.report.accounts import Account, Bar, Block
-from oitbench.report.artifacts import Marked, Row
+from oitbench.report.artifacts import Row
 from oitbench.results.records import Panel
 from oitbench.results.schema import Outcome, Record
 from oitbench.results.times import Interval, Time
@@ -30,7 +30,7 @@ from oitbench.results.times import Interval, Time
 title = "Time"
 order = 38
 
-_SORTING, _SHADING = "#4d4d4d", "#d4d4d4"
+_SORT, _SHADING = "#4d4d4d", "#d4d4d4"
 # The last pass of a bar is mixed with this share of white, the first one with none.
 _LIGHTEST = 0.62
 
@@ -43,9 +43,9 @@ def build(context: ReportContext) -> list[Artifact]:
 
 
 def _parts(time: Time) -> list[tuple[str, Interval]]:
-    """Return the parts of the method: sorting, and passes."""
-    sorting = [] if time.sort_ms is None else [("sorting", time.sort_ms)]
-    return sorting + [(part.name, part.ms) for part in time.passes]
+    """Return the parts of the method: sort, and passes."""
+    sort = [] if time.sort_ms is None else [("sort", time.sort_ms)]
+    return sort + [(part.name, part.ms) for part in time.passes]
 
 
 def _bar(context: ReportContext, cell: Record, outcome: Outcome) -> Bar:
@@ -55,7 +55,7 @@ def _bar(context: ReportContext, cell: Record, outcome: Outcome) -> Bar:
         return Bar((), "not timed")
     color, steps = context.style(cell.method).color, max(1, len(time.passes) - 1)
     tints = [palette.mix(color, "#ffffff", _LIGHTEST * k / steps) for k in range(steps + 1)]
-    colors = tints if time.sort_ms is None else [_SORTING, *tints]
+    colors = tints if time.sort_ms is None else [_SORT, *tints]
     blocks = [
         Block(name, ((tint, part.median),))
         for (name, part), tint in zip(_parts(time), colors, strict=False)
@@ -73,17 +73,18 @@ def _rows(panel: Panel, cell: Record, outcome: Outcome) -> Iterator[Row]:
     listed = [("method", name, part) for name, part in _parts(time)]
     listed += [("shading", part.name, part.ms) for part in time.shading]
     for owner, name, part in listed:
-        values = (part.median, *(part.ends or (None, None)))
-        if time.block.disturbed:
-            values = tuple(value if value is None else Marked(value) for value in values)
+        low, high = part.ends or (None, None)
+        numbers = {"ms": part.median, "ms_low": low, "ms_high": high}
+        values = times.marked(numbers, time.block.disturbed)
         remark = time.remark if owner == "method" else ""
-        yield (panel.title, cell.method, owner, name, *values, len(part.samples), remark)
+        rounds = len(part.samples)
+        yield (panel.title, cell.method, owner, name, *values.values(), rounds, remark)
 
 
 _ACCOUNT = Account(
     name="time",
     axis="time, ms",
-    caption="Median times: sorting and passes of each method, in order, and in gray the shading "
+    caption="Median times: sort and passes of each method, in order, and in gray the shading "
     "that all methods share. The numbers are the times of whole frames. "
     f"{times.SHORT_EXPLANATION}.",
     room=1.35,
@@ -95,6 +96,7 @@ _ACCOUNT = Account(
         Column("ms", "Median", "ms"),
         Column("ms_low", "Low", "ms"),
         Column("ms_high", "High", "ms"),
+        columns.DISTURBED,
         Column("rounds", "Rounds"),
         Column("remark", "Remark", kind="text"),
     ),
@@ -103,5 +105,5 @@ _ACCOUNT = Account(
     "the passes of a method do not add up to their time in a whole frame.",
     bar=_bar,
     rows=_rows,
-    legend={"sorting on the CPU": _SORTING, "shading, shared by all methods": _SHADING},
+    legend={"sort on the CPU, with upload": _SORT, "shading, shared by all methods": _SHADING},
 )

@@ -7,7 +7,7 @@ from typing import Any
 
 from oitbench.report.artifacts import SIGN, Marked
 from oitbench.results.schema import Record
-from oitbench.results.times import DISTURBED, Time
+from oitbench.results.times import DISTURBED
 
 EXPLANATION = (
     f"{SIGN} disturbed: other processes took more than {DISTURBED:.0%} of the CPU time while the "
@@ -26,14 +26,19 @@ def signed(label: str, disturbed: bool) -> str:
     return f"{label} {SIGN}" if disturbed else label
 
 
-def marked(values: Mapping[str, Any], time: Time | None) -> dict[str, Any]:
-    """Return the values of a row by column; disturbed times get the sign."""
-    if time is None or not time.block.disturbed:
-        return dict(values)
-    return {
-        key: Marked(value) if "_ms" in key and value is not None else value
+def marked(values: Mapping[str, Any], disturbed: bool) -> dict[str, Any]:
+    """Return the values of a row by column, and whether its times are disturbed.
+
+    Disturbed times get the sign. A CSV file shows numbers without it, but has the column.
+    """
+    if not disturbed:
+        return {**values, "disturbed": ""}
+    times = {
+        key: Marked(value)
         for key, value in values.items()
+        if value is not None and ("_ms" in key or key == "ms")
     }
+    return {**values, **times, "disturbed": "yes"}
 
 
 def explain(records: Iterable[Record]) -> str:
