@@ -46,6 +46,6 @@ def test_an_environment_of_another_python_is_made_anew(
     environment = {name: value for name, value in os.environ.items() if name != "PYTHON"}
     if wanted is not None:
         environment["PYTHON"] = str(write_python(tmp_path / "other", wanted, log))
-    command = [tmp_path / "reproduce.sh", "--setup-only"]
+    command = [str(tmp_path / "reproduce.sh"), "--setup-only"]
     subprocess.run(command, env=environment, check=True, capture_output=True, text=True)
     assert log.read_text().split() == done

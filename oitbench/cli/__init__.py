@@ -145,9 +145,13 @@ def _signals_raised() -> Iterator[None]:
 
     A signal that is ignored, as under `nohup`, stays ignored.
     """
+    received: list[int] = []
 
     def stop(number: int, frame: object) -> None:
-        raise _SignalError(number)
+        received.append(number)
+        # A second signal must not interrupt the end.
+        if len(received) == 1:
+            raise _SignalError(number)
 
     changed = [n for n in (signal.SIGTERM, signal.SIGHUP) if signal.getsignal(n) is signal.SIG_DFL]
     for number in changed:

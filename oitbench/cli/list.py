@@ -59,13 +59,15 @@ def command(kind: str | None, as_json: bool, measure: bool, collections: tuple[P
 
 
 def _print_overview(collections: tuple[Path, ...], kind: str | None) -> None:
+    from oitbench.catalog.checked import load_checked
     from oitbench.gl.device import Device
-    from oitbench.plugins import Collection
     from oitbench.stability import overview
 
     if kind != "methods":
         raise UsageError("--measure needs methods: oitbench list methods --measure")
-    collection = Collection.load(collections)
+    collection = load_checked(
+        collections, lambda catalog: catalog.expand_methods(catalog.names("method"))
+    )
     with Device() as device:
         rows = overview.measure(device, collection.expand_methods(list(collection.methods)))
     click.echo(overview.table(rows), nl=False)

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
 import click
 from rich.console import Console
 
+from oitbench.catalog.checked import load_checked
 from oitbench.cli import options
 from oitbench.errors import CapabilityError, UsageError
 from oitbench.path_traced.references import lookup, storage
@@ -84,13 +85,27 @@ def command(
     rendering of few samples and another seed. The exit code is 1 if a reference fails or is stale.
     """
     console = Console(highlight=False, soft_wrap=True)
-    collection = Collection.load(collections)
+    collection = load_checked(
+        collections,
+        lambda catalog: catalog.expand_scenes(
+            scenes or {info.scene for info in _stored(catalog.places.folders)}
+        ),
+    )
     jobs = list(_jobs(collection, scenes, size, ssaa))
     if checks:
         results = [_check(console, collection, job, spp, output) for job in jobs]
         sys.exit(0 if all(results) else 1)
     for job in jobs:
         _render(console, collection, job, spp, seed, output)
+
+
+def _stored(folders: Iterable[Path]) -> list[ReferenceInfo]:
+    """Return the entries of all references that the collections have."""
+    return [
+        info
+        for folder in folders
+        for info in storage.read_manifest(folder / storage.FOLDER).values()
+    ]
 
 
 def _jobs(
@@ -100,11 +115,7 @@ def _jobs(
     ssaa: int | None,
 ) -> Iterator[Job]:
     """Yield a job for each scene and size; without a size, for each size that is stored."""
-    known = [
-        info
-        for folder in collection.folders
-        for info in storage.read_manifest(folder / storage.FOLDER).values()
-    ]
+    known = _stored(collection.folders)
     labels = collection.expand_scenes(scenes) or list(dict.fromkeys(info.scene for info in known))
     if not labels:
         raise UsageError("no reference is stored yet; name a scene to render")

@@ -44,13 +44,15 @@ def command(
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
 
+    from oitbench.catalog.checked import load_checked
     from oitbench.gl.device import Device
     from oitbench.method.declaration import Method
-    from oitbench.plugins import Collection
     from oitbench.results.schema import Renderer
     from oitbench.stability import files, suite, summary
 
-    collection = Collection.load(collections)
+    collection = load_checked(
+        collections, lambda catalog: catalog.expand_methods(methods or catalog.names("method"))
+    )
     chosen: dict[str, Method] = {}
     for text in methods or collection.methods:
         found = collection.expand_methods([text])

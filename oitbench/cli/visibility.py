@@ -48,12 +48,13 @@ def command(
     collections: tuple[Path, ...],
 ) -> None:
     """Measure the visibility curves of exact compositing and of methods at one pixel of SCENE."""
+    from oitbench.catalog.catalog import Catalog
     from oitbench.measure import visibility
-    from oitbench.plugins import Collection
     from oitbench.report.visibility import write
 
     curves = visibility.measure(scene, pixel, methods, size, collections)
-    known = list(Collection.load(collections).methods)
+    with Catalog(collections) as catalog:
+        known = catalog.names("method")
     for label, reason in curves.reasons.items():
         click.echo(f"skipped {label}: {reason}", err=True)
     click.echo(write(curves, out, known).png)

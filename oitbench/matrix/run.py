@@ -7,9 +7,10 @@ import threading
 import time
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
-from queue import Queue
+from queue import Empty, Queue
 from typing import Any
 
 import msgspec
@@ -28,6 +29,8 @@ from oitbench.results.times import Processor
 from oitbench.workers.process import WorkerError
 
 OnRecord = Callable[[Cell, Record], None]
+Done = tuple[Cell, CellDone] | BaseException
+_WAKE_SECONDS = 1.0
 _KINDS = ("rendering", "metrics", "references")
 
 
@@ -170,7 +173,7 @@ def _render_all(
     scenes: dict[str, list[Cell]] = {}
     for cell in todo:
         scenes.setdefault(cell.scene, []).append(cell)
-    finished: Queue[tuple[Cell, CellDone] | BaseException] = Queue()
+    finished: Queue[Done] = Queue()
     free: Queue[WorkerProcess] = Queue()
     for worker in pool:
         free.put(worker)
@@ -199,7 +202,7 @@ def _render_all(
             threads.submit(render_scene, cells)
         try:
             for _ in todo:
-                item = finished.get()
+                item = _next(finished)
                 if isinstance(item, BaseException):
                     raise item
                 cell, done = item
@@ -212,6 +215,17 @@ def _render_all(
             for worker in pool:
                 worker.stop()
             raise
+
+
+def _next(finished: Queue[Done]) -> Done:
+    """Wait for the next item of a queue.
+
+    Signals that a stopped process receives may reach any of its threads when it goes on. The main
+    thread, which handles them, only notices them when it wakes up.
+    """
+    while True:
+        with suppress(Empty):
+            return finished.get(timeout=_WAKE_SECONDS)
 
 
 def _render(

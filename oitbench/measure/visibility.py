@@ -17,6 +17,7 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
+from oitbench.catalog.checked import load_checked
 from oitbench.errors import CapabilityError, UsageError
 from oitbench.gl.device import Device
 from oitbench.gl.frame import Frame, check_size
@@ -24,7 +25,6 @@ from oitbench.gl.probe import probe
 from oitbench.gl.uploaded_scene import UploadedScene
 from oitbench.measure.oracle import composite, transmittances
 from oitbench.method.declaration import Method
-from oitbench.plugins import Collection
 from oitbench.scene import Camera, Floats, FragmentLists, Scene
 
 _RANDOM_ROWS = 256
@@ -180,7 +180,13 @@ def measure(
     """
     if not (0 <= pixel[0] < size[0] and 0 <= pixel[1] < size[1]):
         raise UsageError(f"pixel {pixel[0]},{pixel[1]} lies outside a frame of {size[0]}x{size[1]}")
-    collection = Collection.load(collections)
+    collection = load_checked(
+        collections,
+        lambda catalog: (
+            *catalog.expand_methods(methods or catalog.names("method")),
+            *catalog.expand_scenes([scene]),
+        ),
+    )
     chosen = collection.expand_methods(methods or list(collection.methods))
     described = collection.build_scene(scene)
     with Device() as device:

@@ -18,7 +18,7 @@ FAULTS = {
 REASONS = {
     "exits": "ended with code 7",
     "crashes": "signal 11 (SIGSEGV)",
-    "hangs": "took longer than 4 s",
+    "hangs": "took longer than 8 s",
     "raises": "ValueError: unwell",
 }
 METHOD = '''"""A method."""
@@ -95,7 +95,7 @@ def run(faulty: Path, tmp_path_factory: pytest.TempPathFactory) -> tuple[Answer,
     arguments = [word for scene in [*scenes, "fine"] for word in ("--scene", scene)]
     arguments += [word for m in [*methods, "endless", "good"] for word in ("--method", m)]
     place = ("--collection", str(faulty), "--out", str(out))
-    limits = ("--timeout", "4", "--workers", "2", "--preset", "guard")
+    limits = ("--timeout", "8", "--workers", "2", "--preset", "guard")
     return spawn("run", *arguments, *SMALL, *limits, *place), out
 
 
@@ -164,11 +164,29 @@ def test_list_and_doctor_name_the_faults(faulty: Path, tmp_path: Path) -> None:
 def test_a_picture_that_cannot_be_drawn_is_one_line(
     faulty: Path, tmp_path: Path, scene: str, method: str, name: str
 ) -> None:
-    out = ("-o", str(tmp_path / "x.png"), "--collection", str(faulty), "--timeout", "4")
+    out = ("-o", str(tmp_path / "x.png"), "--collection", str(faulty), "--timeout", "8")
     answer = spawn("render", scene, method, *SMALL, *out)
     assert (answer.code, answer.out) == (2, "")
     assert REASONS[name] in answer.err.splitlines()[-1]
     assert not (tmp_path / "x.png").exists()
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ("stability", "--method", "m_exits"),
+        ("visibility", "fine", "--pixel", "4,4", "--size", "8x8", "--method", "m_exits"),
+        ("visibility", "s_exits", "--pixel", "4,4", "--size", "8x8", "--method", "good"),
+        ("reference", "s_exits", "--size", "8x8"),
+    ],
+)
+def test_commands_that_run_plugins_themselves_refuse_a_file_that_exits(
+    faulty: Path, tmp_path: Path, arguments: tuple[str, ...]
+) -> None:
+    option = "-o" if arguments[0] == "reference" else "--out"
+    answer = spawn(*arguments, option, str(tmp_path / "out"), "--collection", str(faulty))
+    assert (answer.code, answer.out) == (2, "")
+    assert REASONS["exits"] in answer.err.splitlines()[-1]
 
 
 def test_the_page_lacks_only_faulty_sections(
@@ -180,7 +198,7 @@ def test_the_page_lacks_only_faulty_sections(
     assert answer.out.strip() == str(tmp_path / "page" / "index.html")
     for name, reason in REASONS.items():
         (line,) = [line for line in answer.err.splitlines() if f"r_{name}.py" in line]
-        assert reason.replace("4 s", "20 s") in line
+        assert reason.replace("8 s", "20 s") in line
     page = (tmp_path / "page" / "index.html").read_text(encoding="utf-8")
     assert page.count("This section is missing.") == len(FAULTS)
     assert (tmp_path / "page" / "table.csv").is_file()

@@ -75,6 +75,21 @@ def test_a_stopped_run_ends_at_once_and_keeps_finished_cells(
     assert [record.scene for record in read_cells(tmp_path / CELLS).values()] == ["calm"]
 
 
+def test_several_signals_at_once_are_one_end(plugins: Path, tmp_path: Path) -> None:
+    process = start(plugins, tmp_path, accept_signals)
+    try:
+        workers = workers_of(process)
+        process.send_signal(signal.SIGSTOP)
+        for number in (signal.SIGTERM, signal.SIGHUP, signal.SIGCONT):
+            process.send_signal(number)
+        _, printed = process.communicate(timeout=SECONDS)
+    finally:
+        process.kill()
+    assert process.returncode in (128 + signal.SIGTERM, 128 + signal.SIGHUP)
+    assert "Traceback" not in printed
+    assert_gone(workers)
+
+
 def test_no_worker_outlives_a_killed_run(plugins: Path, tmp_path: Path) -> None:
     process = start(plugins, tmp_path, accept_signals)
     workers = workers_of(process)

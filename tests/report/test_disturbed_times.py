@@ -18,7 +18,7 @@ from tests.made_up import timed
 from tests.report.made_up import FACTS, context, finished, store, with_effects
 
 REPORTS = Collection.load().reports
-TIMED = {name: REPORTS[name] for name in ("ablation", "pareto", "table", "time")}
+TIMED = {name: REPORTS.path(name) for name in ("ablation", "pareto", "table", "time")}
 
 
 def records(folder: Path, foreign: float) -> list[Record]:
@@ -48,7 +48,7 @@ def test_every_page_and_table_with_times_has_the_mark(
     tmp_path: Path, foreign: float, mark: str
 ) -> None:
     made = records(tmp_path, foreign)
-    written = page.write(store(tmp_path, *made), tmp_path / "report", TIMED)
+    written = page.write(store(tmp_path, *made), tmp_path / "report", TIMED).path
     tables = timed_tables(tmp_path / "report")
     assert set(tables) == set(TIMED)
     for name, rows in tables.items():
