@@ -134,8 +134,13 @@ class Frame(Owner):
         _check_loops(device, method, int(self.complexity.max()))
         self._orders: dict[Hashable, IndexOrder] = {}
         self._transmittance: bool | None = None
-        with self.building():
+        with self.building(), device.checked(self._owner):
             self._build(block_limit)
+
+    @property
+    def _owner(self) -> str:
+        width, height = self.plan.size
+        return f"{self.plan.label} at {width}x{height}"
 
     def _build(self, block_limit: int | None) -> None:
         device, plan, geometry = self.device, self.plan, self.scene.geometry
@@ -235,8 +240,12 @@ class Frame(Owner):
         Raises
         ------
         CapabilityError
-            The records of a tile exceed the driver's limit.
+            The records of a tile exceed the driver's limit, or the driver reports an error.
         """
+        with self.device.checked(self._owner):
+            self._render(transmittance, permutation)
+
+    def _render(self, transmittance: bool, permutation: int | None) -> None:
         for stage in self.shading:
             stage.prepare()
         if self._transmittance is not transmittance:

@@ -9,9 +9,12 @@ import numpy as np
 
 from oitbench.gl.tiling import TILE
 from oitbench.scene import Camera, DirectionalLight, Floats, Object, SpotLight, axes_along
+from oitbench.scene.checks import require, single_precision
 
 ITERATION_OFFSET = 160
 """Byte offset of `iteration` in the block."""
+_LEAST_NEAR = 1e-30
+"""Meters; single precision holds the reciprocals of such distances."""
 _MARGIN = 0.02
 """Part of a map's width that stays empty on each side, for filters."""
 
@@ -50,21 +53,28 @@ class Projection:
         return np.asarray(-self.to_camera[2])
 
     def block(self, size: tuple[int, int], transmittance: bool = False) -> bytes:
-        """Return the bytes of the block for a picture of `size` (width, height)."""
+        """Return the bytes of the block for a picture of `size` (width, height).
+
+        Raises
+        ------
+        SceneError
+            If a number does not fit in single precision.
+        """
         width, height = size
         tiles = [math.ceil(side / TILE) for side in size]
         gain = 0.0 if transmittance else 1.0
-        return b"".join(
-            (
-                self.world_to_clip.T.astype(np.float32).tobytes(),
-                self.to_camera.T.astype(np.float32).tobytes(),
-                np.array(
-                    [self.near, self.far, self.focal * height / 2, gain], dtype=np.float32
-                ).tobytes(),
-                np.array([width, height, *tiles, 0, 0, 0, 0], dtype=np.uint32).tobytes(),
-                self.eye.astype(np.float32).tobytes(),
-            )
-        )
+        infinite = math.isinf(self.far)
+        numbers = [self.near, self.near if infinite else self.far, self.focal * height / 2, gain]
+        parts = [
+            single_precision("the view of the scene", part)
+            for part in (self.world_to_clip.T, self.to_camera.T, numbers, self.eye)
+        ]
+        near = float(parts[2][0])
+        require(near >= _LEAST_NEAR, f"camera: near is {self.near} m; give a larger distance")
+        if infinite:
+            parts[2][1] = np.inf
+        sizes = np.array([width, height, *tiles, 0, 0, 0, 0], dtype=np.uint32)
+        return b"".join(part.tobytes() for part in (*parts[:3], sizes, parts[3]))
 
 
 def camera_projection(camera: Camera, aspect: float) -> Projection:

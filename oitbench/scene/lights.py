@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from oitbench.scene.checks import require, require_finite
+from oitbench.scene.checks import require, require_finite, require_light
 from oitbench.scene.material import Texture
 from oitbench.scene.vectors import RGB, WHITE, Floats, Vector
 
@@ -33,14 +33,15 @@ class DirectionalLight:
     Raises
     ------
     SceneError
-        If a value is not finite or the direction is zero.
+        If a value is not finite, the irradiance is negative, or the direction is zero.
     """
 
     direction: Vector
     irradiance: RGB = WHITE
 
     def __post_init__(self) -> None:
-        require_finite("light", direction=self.direction, irradiance=self.irradiance)
+        require_finite("light", direction=self.direction)
+        require_light("light", irradiance=self.irradiance)
         require(any(self.direction), "light: its direction has no length; give a nonzero vector")
 
 
@@ -61,7 +62,8 @@ class SpotLight:
     Raises
     ------
     SceneError
-        If a value is not finite, `position` equals `target`, or `angle` is out of range.
+        If a value is not finite, the intensity is negative, `position` equals `target`, or `angle`
+        is out of range.
     """
 
     position: Vector
@@ -71,8 +73,9 @@ class SpotLight:
 
     def __post_init__(self) -> None:
         require_finite("light", position=self.position, target=self.target)
-        require_finite("light", intensity=self.intensity)
-        require(self.position != self.target, "light: position and target coincide; move one")
+        require_light("light", intensity=self.intensity)
+        apart = np.subtract(self.position, self.target, dtype=np.float64)
+        require(any(apart), "light: position and target coincide; move one")
         require(0 < self.angle < math.pi, "light: angle must lie between 0 and π radians")
 
 
@@ -90,14 +93,14 @@ class EnvironmentLight:
     Raises
     ------
     SceneError
-        If a color is not finite.
+        If the radiance is negative or not finite.
     """
 
     radiance: RGB | Texture = WHITE
 
     def __post_init__(self) -> None:
-        if not isinstance(self.radiance, Texture):
-            require_finite("light", radiance=self.radiance)
+        light = self.radiance
+        require_light("light", radiance=light.texels if isinstance(light, Texture) else light)
 
     @property
     def texels(self) -> Floats:

@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from dataclasses import dataclass, field
 
 from oitbench.effects import Effect
 from oitbench.scene.camera import Camera
-from oitbench.scene.checks import require, require_finite
+from oitbench.scene.checks import require, require_light
 from oitbench.scene.lights import DirectionalLight, EnvironmentLight, Light, SpotLight
 from oitbench.scene.medium import Medium
 from oitbench.scene.objects import FragmentLists, Object
 from oitbench.scene.vectors import BLACK, RGB
+
+MAX_STOPS = 1000
+"""Largest exposure in either direction: 2^1000 is still finite in double precision."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,10 +70,14 @@ class Scene:
 
     def __post_init__(self) -> None:
         owner = f"scene {self.name}"
-        require_finite(owner, background=self.background, exposure=self.exposure)
-        names = [item.name for item in self.objects]
-        doubled = {name for name in names if names.count(name) > 1}
-        require(not doubled, f"{owner}: two objects are named {sorted(doubled)}; rename one")
+        require_light(owner, background=self.background)
+        require(
+            -MAX_STOPS <= self.exposure <= MAX_STOPS,
+            f"{owner}: exposure is {self.exposure} stops; give {-MAX_STOPS} to {MAX_STOPS}",
+        )
+        counts = Counter(item.name for item in self.objects)
+        doubled = sorted(name for name, count in counts.items() if count > 1)
+        require(not doubled, f"{owner}: two objects are named {doubled}; rename one")
         require(bool(self.objects) or self.lists is not None, f"{owner}: it has no object")
         around = [light for light in self.lights if isinstance(light, EnvironmentLight)]
         require(len(around) <= 1, f"{owner}: it has {len(around)} environment lights; keep one")
@@ -81,6 +89,10 @@ class Scene:
             math.isfinite(self.ambient_occlusion) and self.ambient_occlusion >= 0,
             f"{owner}: ambient_occlusion is {self.ambient_occlusion}; give 0 or more meters",
         )
+        if self.lists is not None:
+            near, far = self.camera.near, self.camera.far
+            seen = bool(((self.lists.z > near) & (self.lists.z <= far)).all())
+            require(seen, f"{owner}: z of its fragment lists must lie between {near} and {far} m")
         object.__setattr__(self, "effects", _requested_effects(self))
 
     @property

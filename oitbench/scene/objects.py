@@ -7,9 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from oitbench.scene.checks import require, require_finite
+from oitbench.scene.checks import require, require_finite, require_fractions, require_light
 from oitbench.scene.material import Material, Texture
 from oitbench.scene.vectors import Array
+
+_NEAR_ONE = 0.02
+"""Error of a normal's length that is allowed; normals of 8 bits are off by less."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,8 +35,8 @@ class Mesh:
     Raises
     ------
     SceneError
-        If an array has a wrong shape, a position or attribute is not finite, there is no triangle,
-        or an index is out of range.
+        If an array has a wrong shape, a value is not finite, radiance is negative, a normal is not
+        of length one, there is no triangle, or an index is out of range.
     """
 
     positions: Array
@@ -58,8 +61,12 @@ class Mesh:
                 values is None or values.shape == (count, width),
                 f"mesh: {name} must be ({count}, {width})",
             )
-        require_finite("mesh", positions=self.positions, uvs=self.uvs)
-        require_finite("mesh", radiance=self.radiance, normals=self.normals)
+        require_finite("mesh", positions=self.positions, uvs=self.uvs, normals=self.normals)
+        require_light("mesh", radiance=self.radiance)
+        if self.normals is not None:
+            lengths = np.linalg.norm(self.normals, axis=1)
+            unit = bool((np.abs(lengths - 1) <= _NEAR_ONE).all())
+            require(unit, "mesh: normals must have length one; divide them by their lengths")
 
     @classmethod
     def from_arrays(
@@ -136,7 +143,7 @@ class FragmentLists:
     Parameters
     ----------
     z : array, shape (n, h, w), float32
-        Linear view distance in meters, beyond the camera's near plane.
+        Linear view distance in meters, between the camera's near and far plane.
     coverage : array, shape (n, h, w), float32
         α in [0, 1].
     radiance : array, shape (n, h, w, 3), float32
@@ -147,7 +154,7 @@ class FragmentLists:
     Raises
     ------
     SceneError
-        If an array has a wrong shape or a value is not finite.
+        If an array has a wrong shape, or a value is not finite or out of range.
     """
 
     z: Array
@@ -161,5 +168,6 @@ class FragmentLists:
         require(self.coverage.shape == shape, f"fragment lists: coverage must be {shape}")
         for name, values in (("radiance", self.radiance), ("transmission", self.transmission)):
             require(values.shape == (*shape, 3), f"fragment lists: {name} must be {(*shape, 3)}")
-        require_finite("fragment lists", z=self.z, coverage=self.coverage)
-        require_finite("fragment lists", radiance=self.radiance, transmission=self.transmission)
+        require_finite("fragment lists", z=self.z)
+        require_light("fragment lists", radiance=self.radiance)
+        require_fractions("fragment lists", coverage=self.coverage, transmission=self.transmission)

@@ -200,14 +200,14 @@ def compile_pass(
             f"{blueprint.owner}: {step.shader} writes {len(images or colors)} targets;"
             f" {device.renderer} allows {limit}"
         )
-    program = _program(device, vertex, fragment)
     samplers = _samplers(blueprint, geometry, step, textures)
+    program = _program(device, vertex, fragment, f"{blueprint.owner}: {step.shader}", samplers)
     used = {name: item for name, item in samplers.items() if name in program}
     for unit, name in enumerate(used):
         # Frames share a program, but its samplers always come in this order.
         program[name] = unit
     try:
-        framebuffer = device.context.framebuffer(colors, _depth(blueprint, step, textures))
+        framebuffer = device.framebuffer(colors, _depth(blueprint, step, textures))
     except moderngl.Error as error:
         formats = ", ".join(blueprint.targets[name].format for name in step.writes)
         raise CapabilityError(
@@ -228,8 +228,8 @@ def compile_pass(
 def attach(device: Device, texture: moderngl.Texture, entry: Format) -> moderngl.Framebuffer:
     """Return a framebuffer with one texture, of color or of depth."""
     if entry.depth:
-        return device.context.framebuffer([], texture)
-    return device.context.framebuffer([texture])
+        return device.framebuffer([], texture)
+    return device.framebuffer([texture])
 
 
 def _depth(
@@ -334,13 +334,18 @@ def _add_shader(fragment: Source, blueprint: Blueprint, step: Pass) -> None:
             )
 
 
-def _program(device: Device, vertex: Source, fragment: Source) -> moderngl.Program:
+def _program(
+    device: Device, vertex: Source, fragment: Source, owner: str, samplers: Mapping[str, Sampled]
+) -> moderngl.Program:
     key = (vertex.text, fragment.text)
     program = device.programs.get(key)
     if program is None:
         try:
             program = device.context.program(vertex.text, fragment.text)
         except moderngl.Error as error:
+            # A driver that lacks units reports that in words of its own.
+            textures = [name for name in samplers if f" {name};" in fragment.text]
+            device.within(f"{owner} (textures)", len(textures), "GL_MAX_TEXTURE_IMAGE_UNITS")
             log = str(error)
             source = vertex if "vertex_shader" in log else fragment
             raise DeclarationError(source.explain(log)) from error

@@ -10,21 +10,7 @@ in vec3 v_normal;
 flat in float v_material;
 
 #ifdef TEXTURED
-uniform sampler2DArray surface_textures;   // premultiplied (emission * coverage, coverage)
-
-// Trilinear lookup in two exact levels: drivers may round their level of detail, and the path tracer
-// must filter the same texels.
-vec4 filtered_texel(vec2 uv, float layer) {
-    vec2 size = vec2(textureSize(surface_textures, 0).xy);
-    vec2 dx = dFdx(uv) * size;
-    vec2 dy = dFdy(uv) * size;
-    float levels = float(textureQueryLevels(surface_textures));
-    float lod = clamp(0.5 * log2(max(max(dot(dx, dx), dot(dy, dy)), 1e-20)), 0.0, levels - 1.0);
-    float level = floor(lod);
-    vec4 fine = textureLod(surface_textures, vec3(uv, layer), level);
-    vec4 coarse = textureLod(surface_textures, vec3(uv, layer), min(level + 1.0, levels - 1.0));
-    return mix(fine, coarse, lod - level);
-}
+#include "textures.glsl"
 #endif
 
 #ifdef INTERIOR
@@ -78,7 +64,7 @@ void main() {
 #endif
     vec2 gradient = vec2(0.0);   // of the coverage, a pixel
 #ifdef TEXTURED
-    vec4 texel = filtered_texel(v_uv, max(v_layer, 0.0));
+    vec4 texel = filtered_texel(v_uv, int(max(v_layer, 0.0)));
     vec2 slope = vec2(dFdx(texel.a), dFdy(texel.a));
     if (v_layer >= 0.0) {
         gradient = v_coverage * slope;
