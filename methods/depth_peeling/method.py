@@ -61,8 +61,8 @@ class DepthPeeling(oit.Method):
         return oit.Plan(
             targets={
                 "color": oit.Target(texel),
-                "depth": oit.Target("depth32f", clear=(1.0,)),
-                "peeled": oit.Target("depth32f", clear=(0.0,)),
+                "depth": oit.Target("depth32f"),
+                "peeled": oit.Target("depth32f", clear=(1.0,)),
                 "layer": oit.Target(texel),
                 "factor": oit.Target(texel, clear=(1.0,)),
                 "sum": oit.Target(texel),

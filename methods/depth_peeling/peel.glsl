@@ -1,7 +1,8 @@
 // Keeps the nearest fragment beyond the one peeled last; the depth test finds the nearest. A
 // fragment without effect is no layer.
 void gather(Fragment fragment) {
-    bool between = fragment.depth > read_peeled() && fragment.depth < read_opaque_depth();
+    float depth = fragment.inverse_depth;
+    bool between = depth < read_peeled() && depth > read_opaque_depth();
     if (!between || fragment.coverage <= 0.0) {
         discard;
     }

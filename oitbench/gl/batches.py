@@ -117,9 +117,10 @@ def batch_of(objects: Sequence[Object], camera: Camera, base: int) -> Batch:
         base += len(mesh.positions)
         units.append((first, len(mesh.triangles)))
         first += len(mesh.triangles)
-        corners = mesh.positions[mesh.triangles].astype(np.float64)
+        corners = mesh.positions[mesh.triangles]
         keys.append(camera.view_distance(corners.mean(axis=1)))
-        box = (mesh.positions.min(axis=0) + mesh.positions.max(axis=0)) / 2
+        points = mesh.used_positions
+        box = (points.min(axis=0) + points.max(axis=0)) / 2
         unit_keys.append(camera.view_distance(box))
     return Batch(
         np.concatenate(triangles) if triangles else np.zeros((0, 3), np.uint32),

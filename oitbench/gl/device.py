@@ -20,7 +20,7 @@ from oitbench.method.formats import Format
 
 _COLOR, _TEXTURE_2D, _DEPTH_COMPONENT, _FLOAT = 0x1800, 0x0DE1, 0x1902, 0x1406
 _DEPTH_COMPONENT32F, _TEXTURE_2D_MULTISAMPLE, _DEPTH, _RGBA = 0x8CAC, 0x9100, 0x1801, 0x1908
-_MAX_VIEWPORT = 0x0D3A
+_MAX_VIEWPORT, _LOWER_LEFT, _ZERO_TO_ONE = 0x0D3A, 0x8CA1, 0x935F
 _LIMITS = {
     "GL_MAX_3D_TEXTURE_SIZE": 0x8073,
     "GL_MAX_ARRAY_TEXTURE_LAYERS": 0x88FF,
@@ -36,6 +36,7 @@ _UINT, _INT, _BYTE = ctypes.c_uint, ctypes.c_int, ctypes.c_ubyte
 _SIGNATURES: dict[str, tuple[Any, ...]] = {
     "glBlendFuncSeparatei": (_UINT, _UINT, _UINT, _UINT, _UINT),
     "glBlendEquationi": (_UINT, _UINT),
+    "glClipControl": (_UINT, _UINT),
     "glColorMaski": (_UINT, _BYTE, _BYTE, _BYTE, _BYTE),
     "glDepthMask": (_BYTE,),
     "glClearBufferfv": (_UINT, _INT, _VOID),
@@ -90,6 +91,8 @@ class Device:
             name: self._load(backend.load, name, signature)
             for name, signature in _SIGNATURES.items()
         }
+        # The usual [-1, 1] would round small depths as if they were near one.
+        self.call("glClipControl", _LOWER_LEFT, _ZERO_TO_ONE)
         self.renderer = str(self.context.info["GL_RENDERER"])
         self.version = str(self.context.info["GL_VERSION"])
         self.software = is_software(self.renderer)

@@ -27,7 +27,6 @@ from oitbench.gl.shading.lighting import Lighting
 from oitbench.gl.shading.occlusion import Occlusion, occludes
 from oitbench.gl.tiling import Counts, sum_by_tile
 from oitbench.gl.uploaded_scene import UploadedScene
-from oitbench.gl.view import view_block
 from oitbench.method.declaration import Method
 from oitbench.method.passes import (
     OPAQUE_COLOR,
@@ -176,7 +175,7 @@ class Frame(Owner):
 
     def _view_block(self, subsample: int, transmittance: bool) -> bytes:
         """Return the bytes of `View` for targets that are downsampled by `subsample`."""
-        return view_block(self.scene.scene.camera, self.plan.size, transmittance, subsample)
+        return self.scene.geometry.view(self.plan.size, transmittance, subsample)
 
     def _compile(self, blueprint: Blueprint, step: Step) -> CompiledStep:
         rounds = [self.textures]

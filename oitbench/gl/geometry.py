@@ -17,8 +17,9 @@ from oitbench.gl.batches import Batch, IndexOrder, batch_of, part_of
 from oitbench.gl.device import Device
 from oitbench.gl.ownership import Owner
 from oitbench.gl.surface_textures import MATERIALS_ACROSS, SurfaceTextures, upload_materials
+from oitbench.gl.view import view_block
 from oitbench.method.passes import Objects, Order
-from oitbench.scene import BLACK, FragmentLists, Material, Object, Scene
+from oitbench.scene import BLACK, FragmentLists, Material, Object, Scene, Vector
 from oitbench.scene.texturing import constants_of, image_key, images_of
 
 VERTEX = np.dtype(
@@ -47,6 +48,11 @@ class Geometry(Owner):
 
     Attributes
     ----------
+    scene : Scene
+        In meters, with the camera at the origin: vertices are relative to it.
+    origin : Vector
+        Position of the camera in the world in meters, less whole kilometers so that single
+        precision resolves it. Patterns that stick to surfaces add it to relative positions.
     opaque, transparent : Batch
     casting : Batch
         Transparent objects that cast shadows.
@@ -70,7 +76,8 @@ class Geometry(Owner):
         if scene.lists is not None and scene.objects:
             raise SceneError(f"scene {scene.name}: fragment lists cannot be mixed with objects")
         super().__init__()
-        self.scene = scene
+        self.scene = scene.seen_from_camera()
+        self.origin = _less_kilometers(scene.in_meters().camera.position)
         self.textures: dict[str, moderngl.TextureArray | moderngl.Texture] = {}
         self._device = device
         self._storeys = 1
@@ -79,8 +86,8 @@ class Geometry(Owner):
         self._numbers = {key: number for number, key in enumerate(materials)}
         self._images: SurfaceTextures | None = None
         with self.building():
-            if scene.lists is not None:
-                self._upload_lists(scene.lists)
+            if self.scene.lists is not None:
+                self._upload_lists(self.scene.lists)
             self._upload_surfaces(list(materials.values()))
             self._upload_triangles()
 
@@ -114,6 +121,10 @@ class Geometry(Owner):
         parts = [*opaque, *transparent]
         vertices = np.concatenate(parts) if parts else np.zeros(1, VERTEX)
         self.vertices = self.own(self._device.context.buffer(vertices.tobytes()))
+
+    def view(self, size: tuple[int, int], transmittance: bool = False, subsample: int = 1) -> bytes:
+        """Return the bytes of `View` for a frame of the scene's camera; see `view_block`."""
+        return view_block(self.scene.camera, size, transmittance, subsample, self.origin)
 
     @property
     def has_lists(self) -> bool:
@@ -193,6 +204,11 @@ class Geometry(Owner):
             array = self.own(context.texture_array(size, 4, texels, dtype="f4"))
             array.filter = (moderngl.NEAREST, moderngl.NEAREST)
             self.textures[name] = array
+
+
+def _less_kilometers(position: Vector) -> Vector:
+    x, y, z = (part - 1000 * round(part / 1000) for part in position)
+    return x, y, z
 
 
 def _list_batch(lists: FragmentLists) -> tuple[list[npt.NDArray[np.void]], Batch]:

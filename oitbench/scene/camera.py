@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
 
 from oitbench.scene.checks import require, require_finite
-from oitbench.scene.vectors import Floats, Vector, axes_along, unit
+from oitbench.scene.vectors import Floats, Vector, axes_along, relocated, unit
 
 _PARALLEL = 1e-9
 """Sine of the angle to the view direction below which `up` gives no direction in the image."""
@@ -20,12 +20,12 @@ _NEAR_Z = 0.9
 
 @dataclass(frozen=True)
 class Camera:
-    """A pinhole camera.
+    """A pinhole camera. Lengths are in the scene's unit.
 
     Parameters
     ----------
     position, target : Vector
-        Meters in world space.
+        In world space.
     up : Vector
         Direction that points up in the image. If the camera looks along it, straight down or
         straight up, it is as if the camera had turned there from looking along −z (along y, if `up`
@@ -33,8 +33,7 @@ class Camera:
     fov_y : float
         Full vertical opening angle, radians.
     near, far : float
-        Clip distances in meters. With the default, an infinite far plane, window depth is
-        d = 1 − near/z.
+        Clip distances. With the default, an infinite far plane, window depth is d = 1 − near/z.
 
     Raises
     ------
@@ -70,7 +69,17 @@ class Camera:
             up = ahead * np.sign(up @ back)
         return axes_along(back, up)
 
+    def relocated(self, origin: Vector, scale: float) -> Camera:
+        """Return the camera relative to `origin`, in units that are `scale` times smaller."""
+        return replace(
+            self,
+            position=relocated(self.position, origin, scale),
+            target=relocated(self.target, origin, scale),
+            near=self.near * scale,
+            far=self.far * scale,
+        )
+
     def view_distance(self, points: npt.ArrayLike) -> Floats:
-        """Return the distance of `points`, shape (..., 3), along the view axis, in meters."""
+        """Return the distance of `points`, shape (..., 3), along the view axis."""
         offset = np.asarray(points, dtype=np.float64) - np.asarray(self.position)
         return np.asarray(-(offset @ self.axes[2]))

@@ -7,13 +7,13 @@ it, in `oitbench/gl/shading` and in `oitbench/path_traced`.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from oitbench.scene.checks import require, require_finite, require_light
 from oitbench.scene.material import Texture
-from oitbench.scene.vectors import RGB, WHITE, Floats, Vector
+from oitbench.scene.vectors import RGB, WHITE, Floats, Vector, relocated
 
 PENUMBRA = 0.1
 """Outer fraction of a spot light's half angle over which it fades out, linearly in the angle."""
@@ -52,10 +52,11 @@ class SpotLight:
     Parameters
     ----------
     position, target : Vector
-        Meters; the axis of the cone runs from `position` to `target`.
+        In the scene's unit; the axis of the cone runs from `position` to `target`.
     intensity : RGB
-        Radiant intensity, W·sr⁻¹ on the scene's arbitrary scale. It is constant from the axis up to
-        1 − `PENUMBRA` of the half angle and fades to zero over the rest.
+        Radiant intensity, W·sr⁻¹ on the scene's arbitrary scale, whatever the unit of length. It is
+        constant from the axis up to 1 − `PENUMBRA` of the half angle and fades to zero over the
+        rest.
     angle : float
         Full opening angle of the cone in radians, in (0, π).
 
@@ -77,6 +78,14 @@ class SpotLight:
         apart = np.subtract(self.position, self.target, dtype=np.float64)
         require(any(apart), "light: position and target coincide; move one")
         require(0 < self.angle < math.pi, "light: angle must lie between 0 and π radians")
+
+    def relocated(self, origin: Vector, scale: float) -> SpotLight:
+        """Return the light relative to `origin`, in units that are `scale` times smaller."""
+        return replace(
+            self,
+            position=relocated(self.position, origin, scale),
+            target=relocated(self.target, origin, scale),
+        )
 
 
 @dataclass(frozen=True, eq=False)

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
 
 from oitbench.scene.checks import require, require_finite, require_fractions
-from oitbench.scene.vectors import RGB, WHITE, Array, Floats, Vector
+from oitbench.scene.vectors import RGB, WHITE, Array, Floats, Vector, relocated
 
 
 @dataclass(frozen=True, eq=False)
@@ -19,9 +19,9 @@ class Medium:
     Parameters
     ----------
     extinction : float
-        Extinction coefficient σ_t where the density is one, in m⁻¹.
+        Extinction coefficient σ_t where the density is one, per unit of length of the scene.
     low, high : Vector
-        Opposite corners of the box, meters.
+        Opposite corners of the box, in the scene's unit.
     albedo : RGB
         Single-scattering albedo Λ.
     anisotropy : float
@@ -61,6 +61,15 @@ class Medium:
         if density is not None:
             require(density.ndim == 3, f"medium: density is {density.shape}; give (nz, ny, nx)")
             require_fractions("medium", density=density)
+
+    def relocated(self, origin: Vector, scale: float) -> Medium:
+        """Return the medium relative to `origin`, in units that are `scale` times smaller."""
+        return replace(
+            self,
+            extinction=self.extinction / scale,
+            low=relocated(self.low, origin, scale),
+            high=relocated(self.high, origin, scale),
+        )
 
 
 def sample_density(

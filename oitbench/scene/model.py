@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from oitbench.effects import Effect
 from oitbench.scene.camera import Camera
@@ -12,7 +12,7 @@ from oitbench.scene.checks import require, require_light
 from oitbench.scene.lights import DirectionalLight, EnvironmentLight, Light, SpotLight
 from oitbench.scene.medium import Medium
 from oitbench.scene.objects import FragmentLists, Object
-from oitbench.scene.vectors import BLACK, RGB
+from oitbench.scene.vectors import BLACK, RGB, Vector
 
 MAX_STOPS = 1000
 """Largest exposure in either direction: 2^1000 is still finite in double precision."""
@@ -42,8 +42,12 @@ class Scene:
         Exposure value in stops, for display and for every metric of the displayed image: radiance
         is multiplied by 2^exposure.
     ambient_occlusion : float
-        Largest distance in meters at which surfaces hide the environment light from each other.
-        Default: 0, no occlusion.
+        Largest distance at which surfaces hide the environment light from each other. Default: 0,
+        no occlusion.
+    meters_per_unit : float
+        Length of the scene's unit in meters: 0.001 if it is written in millimeters. It applies to
+        all lengths of camera, meshes, lights, medium and `ambient_occlusion`, and to the medium's
+        extinction (an inverse length). Radiance, irradiance and intensity do not depend on it.
 
     Attributes
     ----------
@@ -66,6 +70,7 @@ class Scene:
     background: RGB = BLACK
     exposure: float = 0.0
     ambient_occlusion: float = 0.0
+    meters_per_unit: float = 1.0
     effects: Effect = field(init=False)
 
     def __post_init__(self) -> None:
@@ -87,13 +92,46 @@ class Scene:
         )
         require(
             math.isfinite(self.ambient_occlusion) and self.ambient_occlusion >= 0,
-            f"{owner}: ambient_occlusion is {self.ambient_occlusion}; give 0 or more meters",
+            f"{owner}: ambient_occlusion is {self.ambient_occlusion}; give 0 or more",
+        )
+        require(
+            math.isfinite(self.meters_per_unit) and self.meters_per_unit > 0,
+            f"{owner}: meters_per_unit is {self.meters_per_unit}; give a length above 0",
         )
         if self.lists is not None:
             near, far = self.camera.near, self.camera.far
             seen = bool(((self.lists.z > near) & (self.lists.z <= far)).all())
-            require(seen, f"{owner}: z of its fragment lists must lie between {near} and {far} m")
+            require(seen, f"{owner}: z of its fragment lists must lie between {near} and {far}")
         object.__setattr__(self, "effects", _requested_effects(self))
+
+    def in_meters(self) -> Scene:
+        """Return the same scene with all lengths in meters."""
+        return self if self.meters_per_unit == 1 else self._relocated((0.0, 0.0, 0.0))
+
+    def seen_from_camera(self) -> Scene:
+        """Return the same scene in meters, with the camera at the origin.
+
+        Renderers compute in single precision, which is fine near the camera alone.
+        """
+        return self._relocated(self.camera.position)
+
+    def _relocated(self, origin: Vector) -> Scene:
+        scale = self.meters_per_unit
+        return replace(
+            self,
+            camera=self.camera.relocated(origin, scale),
+            objects=tuple(
+                replace(item, mesh=item.mesh.relocated(origin, scale)) for item in self.objects
+            ),
+            lists=None if self.lists is None else self.lists.scaled(scale),
+            lights=tuple(
+                light.relocated(origin, scale) if isinstance(light, SpotLight) else light
+                for light in self.lights
+            ),
+            medium=None if self.medium is None else self.medium.relocated(origin, scale),
+            ambient_occlusion=self.ambient_occlusion * scale,
+            meters_per_unit=1.0,
+        )
 
     @property
     def opaque(self) -> tuple[Object, ...]:

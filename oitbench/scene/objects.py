@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
 
 from oitbench.scene.checks import require, require_finite, require_fractions, require_light
 from oitbench.scene.material import Material, Texture
-from oitbench.scene.vectors import Array
+from oitbench.scene.vectors import Array, Floats, Vector
 
 _NEAR_ONE = 0.02
 """Error of a normal's length that is allowed; normals of 8 bits are off by less."""
@@ -21,8 +22,8 @@ class Mesh:
 
     Parameters
     ----------
-    positions : array, shape (n, 3), float32
-        World positions in meters.
+    positions : array, shape (n, 3), float64
+        World positions in the scene's unit. Any numbers are converted.
     triangles : array, shape (m, 3), uint32
         Vertex indices; counterclockwise seen from the front.
     uvs : array, shape (n, 2), float32, optional
@@ -39,13 +40,14 @@ class Mesh:
         of length one, there is no triangle, or an index is out of range.
     """
 
-    positions: Array
+    positions: Floats
     triangles: npt.NDArray[np.uint32]
     uvs: Array | None = None
     radiance: Array | None = None
     normals: Array | None = None
 
     def __post_init__(self) -> None:
+        object.__setattr__(self, "positions", np.asarray(self.positions, dtype=np.float64))
         count = len(self.positions)
         require(self.positions.shape == (count, 3), "mesh: positions must be (n, 3)")
         require(self.triangles.shape[1:] == (3,), "mesh: triangles must be (m, 3)")
@@ -86,12 +88,23 @@ class Mesh:
             As in `Mesh`.
         """
         return cls(
-            np.asarray(positions, dtype=np.float32),
+            np.asarray(positions, dtype=np.float64),
             np.asarray(triangles).astype(np.uint32),
             None if uvs is None else np.asarray(uvs, dtype=np.float32),
             None if radiance is None else np.asarray(radiance, dtype=np.float32),
             None if normals is None else np.asarray(normals, dtype=np.float32),
         )
+
+    @cached_property
+    def used_positions(self) -> Floats:
+        """Positions of the vertices that triangles use, shape (k, 3): only they have a place."""
+        used = np.zeros(len(self.positions), dtype=bool)
+        used[self.triangles] = True
+        return self.positions if used.all() else self.positions[used]
+
+    def relocated(self, origin: Vector, scale: float) -> Mesh:
+        """Return the mesh relative to `origin`, in units that are `scale` times smaller."""
+        return replace(self, positions=(self.positions - np.asarray(origin)) * scale)
 
 
 @dataclass(frozen=True, eq=False)
@@ -143,7 +156,7 @@ class FragmentLists:
     Parameters
     ----------
     z : array, shape (n, h, w), float32
-        Linear view distance in meters, between the camera's near and far plane.
+        Linear view distance in the scene's unit, between the camera's near and far plane.
     coverage : array, shape (n, h, w), float32
         α in [0, 1].
     radiance : array, shape (n, h, w, 3), float32
@@ -171,3 +184,8 @@ class FragmentLists:
         require_finite("fragment lists", z=self.z)
         require_light("fragment lists", radiance=self.radiance)
         require_fractions("fragment lists", coverage=self.coverage, transmission=self.transmission)
+
+    def scaled(self, scale: float) -> FragmentLists:
+        """Return the lists in units of length that are `scale` times smaller."""
+        z = self.z if scale == 1 else (self.z.astype(np.float64) * scale).astype(np.float32)
+        return replace(self, z=z)

@@ -61,3 +61,9 @@ def axes_along(back: npt.ArrayLike, up: npt.ArrayLike | None = None) -> Floats:
     upward = np.eye(3)[np.argmin(np.abs(direction))] if up is None else np.asarray(up, np.float64)
     right = unit(np.cross(_near_one(upward), direction))
     return np.stack([right, np.cross(direction, right), direction])
+
+
+def relocated(point: Vector, origin: Vector, scale: float) -> Vector:
+    """Return a point relative to `origin`, in units that are `scale` times smaller."""
+    x, y, z = ((a - b) * scale for a, b in zip(point, origin, strict=True))
+    return x, y, z

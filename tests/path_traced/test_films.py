@@ -174,13 +174,13 @@ def _hits(view: View, z: float) -> npt.NDArray[np.float64]:
 def test_rays_hit_the_pixels_that_a_rasterizer_would_cover() -> None:
     camera = Camera((0.0, 0.0, 2.0), fov_y=2 * math.atan(0.5))
     # On the plane z = 0 the image is 4 m wide and 2 m high: a pixel of 16 × 8 is 0.25 m.
-    corner = np.array([(-2, 1, 0), (-1.5, 1, 0), (-1.5, 0.25, 0), (-2, 0.25, 0)], dtype=np.float32)
+    corner = np.array([(-2, 1, 0), (-1.5, 1, 0), (-1.5, 0.25, 0), (-2, 0.25, 0)])
     mesh = dataclasses.replace(_quad(), positions=corner)
     scene = Scene("corner", camera, (Object("q", mesh, Material(emission=(1.0, 1.0, 1.0))),))
     expected = np.zeros((8, 16))
     expected[:3, :2] = 1
     np.testing.assert_array_equal(render(scene, (16, 8), ssaa=2).mean[..., 0], expected)
-    shifted = dataclasses.replace(mesh, positions=corner + np.array([0.1, 0, 0], dtype=np.float32))
+    shifted = dataclasses.replace(mesh, positions=corner + np.array([0.1, 0, 0]))
     scene = dataclasses.replace(scene, objects=(Object("q", shifted, scene.objects[0].material),))
     # The film starts beyond the first column's left sub-pixels and ends beyond the third's.
     row = render(scene, (16, 8), ssaa=2).mean[0, :4, 0]

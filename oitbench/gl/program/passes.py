@@ -117,7 +117,7 @@ class CompiledPass(Owner):
         # llvmpipe drops the side effects of primitives that a later one covers.
         depth = geometry or self.step.depth is not None
         context.enable_only(moderngl.BLEND | (moderngl.DEPTH_TEST if depth else 0))
-        context.depth_func = "<" if geometry else "1"
+        context.depth_func = ">" if geometry else "1"
         for slot, blend in enumerate(self.step.writes.values()):
             device.set_blend(slot, blend)
         for unit, texture in enumerate(self._samplers.values()):

@@ -4,8 +4,9 @@ struct Fragment {
     float coverage;      // alpha
     vec3 transmission;   // t
     float z;             // linear view distance, m
-    float depth;         // window depth in [0, 1]
-    vec3 position;       // world space, m; a list has pixels and view distance
+    float depth;         // window depth d in [0, 1]
+    float inverse_depth; // 1 - d, precise at any distance: compare depths by this
+    vec3 position;       // world space less whole kilometers, m; a list has pixels and view distance
     vec3 normal;         // unit, world space, on the viewer's side
     float incidence;     // cosine between normal and view
     float index;         // refractive index N of the solid that it bounds, 1 for none

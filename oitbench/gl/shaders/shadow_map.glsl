@@ -41,10 +41,10 @@ void gather(Fragment fragment) {
     if (all(lessThanEqual(part, vec3(number)))) {
         discard;
     }
-    map0 = part.r > number ? fragment.depth : 1.0;
+    map0 = part.r > number ? fragment.inverse_depth : 0.0;
 #ifndef GRAY
-    map1 = part.g > number ? fragment.depth : 1.0;
-    map2 = part.b > number ? fragment.depth : 1.0;
+    map1 = part.g > number ? fragment.inverse_depth : 0.0;
+    map2 = part.b > number ? fragment.inverse_depth : 0.0;
 #endif
 #endif
 }

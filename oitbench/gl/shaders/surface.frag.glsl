@@ -1,8 +1,7 @@
 // Shades one fragment of a mesh and passes it to the method.
 in vec2 v_uv;
 in vec3 v_radiance;
-in float v_z;
-in vec3 v_position;
+in vec3 v_position;   // relative to the camera, m
 flat in vec3 v_transmission;
 flat in float v_coverage;
 flat in float v_layer;
@@ -49,9 +48,10 @@ void main() {
     fragment.radiance = v_radiance * radiance_gain;
     fragment.coverage = v_coverage;
     fragment.transmission = v_transmission;
-    fragment.z = v_z;
-    fragment.depth = gl_FragCoord.z;
-    fragment.position = v_position;
+    fragment.inverse_depth = gl_FragCoord.z;
+    fragment.z = view_distance(fragment.inverse_depth);
+    fragment.depth = window_depth(fragment.inverse_depth);
+    fragment.position = v_position + origin.xyz;
     fragment.normal = vec3(0.0);
     fragment.incidence = 1.0;
     fragment.index = 1.0;

@@ -17,13 +17,13 @@ from oitbench.gl.geometry import Geometry
 from oitbench.gl.ownership import Owner
 from oitbench.gl.program.passes import Blueprint
 from oitbench.gl.view import Projection
-from oitbench.method.blending import MINIMUM, REPLACE
+from oitbench.method.blending import MAXIMUM, REPLACE
 from oitbench.method.passes import Gather, Resolve
 from oitbench.method.storage import Target
 
 KEPT = 4
 """Downsampling factor of the filter per axis."""
-_DEPTH, _MAP = Target("depth32f", clear=(1.0,)), Target("r32f", clear=(1.0,))
+_DEPTH, _MAP = Target("depth32f"), Target("r32f")
 _MOMENTS = Target("rg32f")
 _SHADER, _TAPS = "shadow_map.glsl", 15
 _DRAWN, _FILTERED = "shadow maps", "variance maps"
@@ -74,7 +74,8 @@ class ShadowMaps(Owner):
         kinds = {"opaque": _DEPTH, "map": _MAP}
         targets = {name: kinds.get(name.rstrip("012"), _MOMENTS) for name in sizes}
         with self.building():
-            view = self.own(device.context.buffer(projection.block((side, side))))
+            block = projection.block((side, side), origin=geometry.origin)
+            view = self.own(device.context.buffer(block))
             self._chain = self.own(Chain(device, geometry, targets, sizes, view))
             self._compile()
         self.textures = self._chain.textures
@@ -108,7 +109,7 @@ class ShadowMaps(Owner):
             maps = tuple(f"map{k}" for k in range(self.channels))
             draw = Gather(
                 _SHADER,
-                writes=dict.fromkeys(maps, MINIMUM),
+                writes=dict.fromkeys(maps, MAXIMUM),
                 depth="opaque" if self.opaque else None,
                 depth_writes=False,
                 clears=maps,

@@ -24,7 +24,7 @@ def require_traceable(scene: Scene) -> None:
             "give the scene meshes"
         )
     for item in scene.transparent:
-        reach = float(np.ptp(item.mesh.positions, axis=0).max())
+        reach = float(np.ptp(item.mesh.used_positions, axis=0).max())
         if item.material.refracts and mean_chord(item.mesh) <= _FLAT * reach:
             raise CapabilityError(
                 f"scene {scene.name}: {item.name} is a refracting solid without volume, so it"

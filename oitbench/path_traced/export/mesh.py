@@ -19,7 +19,7 @@ from oitbench.path_traced.export.film import (
     make_emitter,
 )
 from oitbench.path_traced.optics.materials import interface_roughness
-from oitbench.scene import Array, Material, Mesh, Object
+from oitbench.scene import Array, Floats, Material, Mesh, Object
 from oitbench.scene.texturing import constants_of, image_key, images_of
 
 
@@ -85,7 +85,7 @@ def _with_normals(mesh: Mesh) -> Mesh:
     if mesh.normals is not None:
         return mesh
     corners = mesh.triangles.ravel()
-    points = mesh.positions[mesh.triangles].astype(np.float64)
+    points = mesh.positions[mesh.triangles]
     normals = np.cross(points[:, 1] - points[:, 0], points[:, 2] - points[:, 0])
     length = np.linalg.norm(normals, axis=1, keepdims=True)
     normals = np.divide(normals, length, out=np.zeros_like(normals), where=length > 0)
@@ -102,7 +102,7 @@ def _uvs(mesh: Mesh) -> Array:
     return np.zeros((len(mesh.positions), 2), np.float32) if mesh.uvs is None else mesh.uvs
 
 
-def _joined(parts: Sequence[Array | None]) -> Any:
+def _joined(parts: Sequence[Floats | Array | None]) -> Any:
     present = [part for part in parts if part is not None]
     return np.concatenate(present).astype(np.float32).ravel()
 

@@ -51,7 +51,7 @@ def mean_chord(mesh: Mesh) -> float:
 
     It is 0 for a mesh without area.
     """
-    corners = mesh.positions[mesh.triangles].astype(np.float64)
+    corners = mesh.positions[mesh.triangles]
     corners = corners - corners.mean(axis=(0, 1))
     cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     surface = float(np.linalg.norm(cross, axis=1).sum()) / 2
