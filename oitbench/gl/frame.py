@@ -129,6 +129,11 @@ class Frame(Owner):
             mechanism=mechanism or device.mechanism,
             counted=counted,
         )
+        if scene.geometry.coincident and self.plan.samples > 1:
+            one, other = scene.geometry.coincident
+            raise CapabilityError(
+                f"{method.label}: {one} and {other} lie in one plane; give one sample per pixel"
+            )
         self.complexity = scene.fragment_counts(size, effects)
         _check_loops(device, method, int(self.complexity.max()))
         self._orders: dict[Hashable, IndexOrder] = {}

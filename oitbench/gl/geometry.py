@@ -16,6 +16,7 @@ from oitbench.errors import SceneError
 from oitbench.gl.batches import Batch, IndexOrder, batch_of, part_of
 from oitbench.gl.device import Device
 from oitbench.gl.ownership import Owner
+from oitbench.gl.planes import nearness_of_vertices, with_separate_corners
 from oitbench.gl.surface_textures import MATERIALS_ACROSS, SurfaceTextures, upload_materials
 from oitbench.gl.view import view_block
 from oitbench.method.passes import Objects, Order
@@ -61,6 +62,8 @@ class Geometry(Owner):
     batches : dict of Objects to Batch
         Transparent objects by the choice of a pass.
     vertices : moderngl.Buffer
+    planes : moderngl.Buffer or None
+        Planes of the vertices, if surfaces coincide (see `oitbench.scene.coincidence`).
     textures : dict of str to moderngl.TextureArray or moderngl.Texture
         Samplers of the surface shader by name.
 
@@ -76,11 +79,12 @@ class Geometry(Owner):
         if scene.lists is not None and scene.objects:
             raise SceneError(f"scene {scene.name}: fragment lists cannot be mixed with objects")
         super().__init__()
-        self.scene = scene.seen_from_camera()
+        self.scene, self._coincidence = with_separate_corners(scene.seen_from_camera())
         self.origin = _less_kilometers(scene.in_meters().camera.position)
         self.textures: dict[str, moderngl.TextureArray | moderngl.Texture] = {}
         self._device = device
         self._storeys = 1
+        self.planes: moderngl.Buffer | None = None
         self._orders: dict[Batch, IndexOrder] = {}
         materials = {id(item.material): item.material for item in scene.objects}
         self._numbers = {key: number for number, key in enumerate(materials)}
@@ -121,10 +125,18 @@ class Geometry(Owner):
         parts = [*opaque, *transparent]
         vertices = np.concatenate(parts) if parts else np.zeros(1, VERTEX)
         self.vertices = self.own(self._device.context.buffer(vertices.tobytes()))
+        if self._coincidence is not None:
+            rows = nearness_of_vertices(scene, self._coincidence)
+            self.planes = self.own(self._device.context.buffer(rows.tobytes()))
 
     def view(self, size: tuple[int, int], transmittance: bool = False, subsample: int = 1) -> bytes:
         """Return the bytes of `View` for a frame of the scene's camera; see `view_block`."""
         return view_block(self.scene.camera, size, transmittance, subsample, self.origin)
+
+    @property
+    def coincident(self) -> tuple[str, str] | None:
+        """Two of the objects that coincide; None if none do."""
+        return None if self._coincidence is None else self._coincidence.pair
 
     @property
     def has_lists(self) -> bool:
@@ -145,6 +157,8 @@ class Geometry(Owner):
             found |= {"TEXTURED": 1, **self._images.slots.macros}
         if "surface_materials" in self.textures:
             found |= {"DETAILED": 1, "MATERIALS_ACROSS": MATERIALS_ACROSS}
+        if self.planes is not None:
+            found["PLANES"] = 1
         return "\n".join(f"#define {name} {value}" for name, value in found.items())
 
     def in_submission_order(self, batch: Batch) -> IndexOrder:

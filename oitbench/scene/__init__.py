@@ -10,6 +10,7 @@ module     holds
 model      `Scene`, and the effects that a scene requests
 objects    `Mesh`, `Object`, `FragmentLists`
 camera     `Camera`
+coincidence surfaces that lie in one plane
 material   `Material` and `Texture`: how surfaces cover, transmit and reflect
 lights     directional, spot and environment lights
 medium     `Medium`: fog

@@ -5,10 +5,12 @@ from __future__ import annotations
 import math
 from collections import Counter
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 from oitbench.effects import Effect
 from oitbench.scene.camera import Camera
 from oitbench.scene.checks import require, require_light
+from oitbench.scene.coincidence import Coincidence, find_coincidence
 from oitbench.scene.lights import DirectionalLight, EnvironmentLight, Light, SpotLight
 from oitbench.scene.medium import Medium
 from oitbench.scene.objects import FragmentLists, Object
@@ -83,6 +85,9 @@ class Scene:
         counts = Counter(item.name for item in self.objects)
         doubled = sorted(name for name, count in counts.items() if count > 1)
         require(not doubled, f"{owner}: two objects are named {doubled}; rename one")
+        for item in self.objects:
+            known = not item.decal_of or item.decal_of in counts
+            require(known, f"{owner}: {item.name} is a decal of {item.decal_of}, which is missing")
         require(bool(self.objects) or self.lists is not None, f"{owner}: it has no object")
         around = [light for light in self.lights if isinstance(light, EnvironmentLight)]
         require(len(around) <= 1, f"{owner}: it has {len(around)} environment lights; keep one")
@@ -132,6 +137,11 @@ class Scene:
             ambient_occlusion=self.ambient_occlusion * scale,
             meters_per_unit=1.0,
         )
+
+    @cached_property
+    def coincidence(self) -> Coincidence | None:
+        """Where surfaces coincide, relative to the camera and in meters; None for nowhere."""
+        return find_coincidence(self.seen_from_camera().objects)
 
     @property
     def opaque(self) -> tuple[Object, ...]:

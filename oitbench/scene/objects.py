@@ -123,11 +123,14 @@ class Object:
         fitted to the remaining objects. The object still receives shadows.
     particles : bool
         True for sprites without fine detail, which may be accumulated at a lower resolution.
+    decal_of : str, optional
+        Name of the object in whose planes this one lies. Surfaces that lie exactly in one plane
+        are found without it.
 
     Raises
     ------
     SceneError
-        If the material has a texture and the mesh has no uvs.
+        If the material has a texture and the mesh has no uvs, or it is a decal of itself.
     """
 
     name: str
@@ -135,8 +138,10 @@ class Object:
     material: Material
     casts: bool = True
     particles: bool = False
+    decal_of: str = ""
 
     def __post_init__(self) -> None:
+        require(self.decal_of != self.name, f"object {self.name}: it is a decal of itself")
         textured = isinstance(self.material.coverage, Texture) or isinstance(
             self.material.emission, Texture
         )

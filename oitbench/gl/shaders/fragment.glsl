@@ -14,6 +14,17 @@ struct Fragment {
     float collimation;   // c
 };
 
+// Whether the fragment is before the opaque surface of this `inverse_depth`. In the plane of the
+// opaque surface it is a decal: seen from its front, it is before that surface.
+bool before_opaque(Fragment fragment, float opaque) {
+#ifdef PLANES
+    if (fragment.inverse_depth == opaque && opaque > 0.0) {
+        return fragment.entering;
+    }
+#endif
+    return fragment.inverse_depth > opaque;
+}
+
 // RGB transmittance of the layer: tau = 1 - alpha + alpha t.
 vec3 transmittance(Fragment fragment) {
     return 1.0 - fragment.coverage * (1.0 - fragment.transmission);

@@ -12,6 +12,16 @@ flat in float v_material;
 #include "textures.glsl"
 #endif
 
+#ifdef LIGHT_VIEW
+#undef PLANES
+#endif
+#ifdef PLANES
+#include "planes.glsl"
+#endif
+#ifdef TESTS_DEPTH
+uniform sampler2D tested_depth;
+#endif
+
 #ifdef INTERIOR
 // Filtered binary coverage of at least this is opaque.
 const float WHOLE = 254.0 / 255.0;
@@ -48,7 +58,11 @@ void main() {
     fragment.radiance = v_radiance * radiance_gain;
     fragment.coverage = v_coverage;
     fragment.transmission = v_transmission;
+#ifdef PLANES
+    fragment.inverse_depth = inverse_depth_of_plane();
+#else
     fragment.inverse_depth = gl_FragCoord.z;
+#endif
     fragment.z = view_distance(fragment.inverse_depth);
     fragment.depth = window_depth(fragment.inverse_depth);
     fragment.position = v_position + origin.xyz;
@@ -57,6 +71,9 @@ void main() {
     fragment.index = 1.0;
     fragment.entering = gl_FrontFacing;
     fragment.collimation = 1.0;
+#if defined(PLANES) && defined(OWN_DEPTH)
+    gl_FragDepth = fragment.inverse_depth;
+#endif
     // Outside any branch, and before any discard: derivatives need the whole quad.
 #ifdef DETAILED
     vec3 toward = normalize(eye.xyz - eye.w * v_position);
@@ -73,6 +90,11 @@ void main() {
         }
         fragment.radiance *= texel.rgb / texel.a;
         fragment.coverage *= texel.a;
+    }
+#endif
+#ifdef TESTS_DEPTH
+    if (!before_opaque(fragment, texelFetch(tested_depth, ivec2(gl_FragCoord.xy), 0).r)) {
+        discard;
     }
 #endif
 #ifdef INTERIOR

@@ -8,6 +8,11 @@ in float in_layer;
 in vec3 in_normal;
 in float in_material;
 
+#ifdef PLANES
+in vec3 in_plane;
+flat out vec3 v_plane;
+#endif
+
 out vec2 v_uv;
 out vec3 v_radiance;
 out vec3 v_position;
@@ -24,6 +29,9 @@ void main() {
     gl_Position = vec4(in_position.xy, 1.0, 1.0);
 #else
     gl_Position = vertex_to_clip * vec4(in_position, 1.0);
+#endif
+#ifdef PLANES
+    v_plane = in_plane;
 #endif
     v_position = in_position;
     v_uv = in_uv;

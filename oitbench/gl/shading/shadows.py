@@ -15,7 +15,7 @@ from oitbench.gl.device import Device
 from oitbench.gl.draws.chain import Chain, Measurement
 from oitbench.gl.geometry import Geometry
 from oitbench.gl.ownership import Owner
-from oitbench.gl.program.passes import Blueprint
+from oitbench.gl.program.passes import LIGHT_VIEW, Blueprint
 from oitbench.gl.view import Projection
 from oitbench.method.blending import MAXIMUM, REPLACE
 from oitbench.method.passes import Gather, Resolve
@@ -26,6 +26,7 @@ KEPT = 4
 _DEPTH, _MAP = Target("depth32f"), Target("r32f")
 _MOMENTS = Target("rg32f")
 _SHADER, _TAPS = "shadow_map.glsl", 15
+_LIGHT_VIEW = {LIGHT_VIEW: 1}
 _DRAWN, _FILTERED = "shadow maps", "variance maps"
 
 
@@ -99,11 +100,15 @@ class ShadowMaps(Owner):
     def _compile(self) -> None:
         chain, blueprint, geometry = self._chain, self._blueprint, self._geometry
         if self.opaque:
-            opaque = Gather("opaque_map.glsl", depth="opaque", clears=("opaque",))
+            opaque = Gather(
+                "opaque_map.glsl", depth="opaque", clears=("opaque",), defines=_LIGHT_VIEW
+            )
             chain.add(opaque, blueprint, _DRAWN, geometry.opaque)
             if not self.channels:
                 # Without translucent shadows, surfaces that absorb half the light cast hard ones.
-                binary = Gather(_SHADER, depth="opaque", defines={"BINARY": 1, "GRAY": 1})
+                binary = Gather(
+                    _SHADER, depth="opaque", defines={"BINARY": 1, "GRAY": 1} | _LIGHT_VIEW
+                )
                 chain.add(binary, blueprint, _DRAWN, geometry.casting)
         if self.channels:
             maps = tuple(f"map{k}" for k in range(self.channels))
@@ -113,7 +118,7 @@ class ShadowMaps(Owner):
                 depth="opaque" if self.opaque else None,
                 depth_writes=False,
                 clears=maps,
-                defines={"GRAY": 1} if self.channels == 1 else {},
+                defines=_LIGHT_VIEW | ({"GRAY": 1} if self.channels == 1 else {}),
             )
             chain.add(draw, blueprint, _DRAWN, geometry.casting)
         for channel in range(self.channels):

@@ -16,7 +16,7 @@ def require_traceable(scene: Scene) -> None:
     """Raise `CapabilityError` if `scene` cannot be path traced.
 
     Fragment lists have no geometry. The absorption in a refracting solid follows from its volume.
-    Of triangles that coincide exactly, a ray hits only one.
+    Of triangles that coincide exactly, a ray hits only one, and surfaces in one plane in any order.
     """
     if scene.lists is not None:
         raise CapabilityError(
@@ -31,6 +31,12 @@ def require_traceable(scene: Scene) -> None:
                 " cannot be path traced; close its mesh, or make it a thin sheet"
             )
     _require_distinct_triangles(scene)
+    if scene.coincidence is not None:
+        one, other = scene.coincidence.pair
+        raise CapabilityError(
+            f"scene {scene.name}: {one} and {other} lie in one plane, so that a ray hits them"
+            " in any order; move one of them"
+        )
 
 
 def _require_distinct_triangles(scene: Scene) -> None:
