@@ -16,6 +16,8 @@ from oitbench.scene.medium import Medium
 from oitbench.scene.objects import FragmentLists, Object
 from oitbench.scene.vectors import BLACK, RGB, Vector
 
+FAR = 100
+"""Distance of the camera from the origin beside that to its target; see `Scene.near_origin`."""
 MAX_STOPS = 1000
 """Largest exposure in either direction: 2^1000 is still finite in double precision."""
 
@@ -119,6 +121,16 @@ class Scene:
         Renderers compute in single precision, which is fine near the camera alone.
         """
         return self._relocated(self.camera.position)
+
+    def near_origin(self) -> Scene:
+        """Return the same scene in meters, with the camera at the origin if it was far from there.
+
+        Far means `FAR` times the distance to its target. Nearer, the scene's own origin resolves
+        its surfaces better.
+        """
+        camera = self.camera
+        far = math.hypot(*camera.position) > FAR * math.dist(camera.position, camera.target)
+        return self.seen_from_camera() if far else self.in_meters()
 
     def _relocated(self, origin: Vector) -> Scene:
         scale = self.meters_per_unit
