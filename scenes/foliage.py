@@ -239,7 +239,7 @@ def _courtyard(detail: float) -> Mesh:
     sheets = []
     for sheet, paint in ((floor, FLOOR), (back, PLASTER)):
         # Columns and rows are denser where the plants stand.
-        points = sheet.positions.astype(np.float64)
+        points = sheet.positions.copy()
         points[:, 0] = wide * (0.22 * points[:, 0] / wide + 0.78 * (points[:, 0] / wide) ** 5)
         points[:, 1] *= 0.35 + 0.65 * (points[:, 1] / (2 * wall)) ** 2
         normals = normals_of(sheet)
@@ -248,7 +248,7 @@ def _courtyard(detail: float) -> Mesh:
         shade = np.asarray(paint) * diffuse(
             normals, SUN, _sunlight(points), openness * _sky(points)
         )
-        placed = replace(sheet, positions=points.astype(np.float32))
+        placed = replace(sheet, positions=points)
         sheets.append(with_radiance(placed, shade))
     return merge(sheets)
 

@@ -12,10 +12,10 @@ from oitbench.scene import Floats, Mesh
 
 def corners(mesh: Mesh) -> Floats:
     """Return the corners of the triangles, shape (n, 3, 3)."""
-    return np.asarray(mesh.positions.astype(np.float64)[mesh.triangles])
+    return np.asarray(mesh.positions[mesh.triangles])
 
 
-def bounds(mesh: Mesh) -> tuple[npt.NDArray[np.float32], npt.NDArray[np.float32]]:
+def bounds(mesh: Mesh) -> tuple[Floats, Floats]:
     """Return the lowest and the highest coordinates."""
     return mesh.positions.min(axis=0), mesh.positions.max(axis=0)
 
@@ -50,7 +50,8 @@ def boundary(mesh: Mesh) -> Floats:
     Vertices at the same place count as one. A mesh without such edges is watertight: it has no
     crack, and no duplicated, collapsed or reversed triangle.
     """
-    places, welded = np.unique(mesh.positions.astype(np.float64), axis=0, return_inverse=True)
+    rounded = mesh.positions.astype(np.float32).astype(np.float64)
+    places, welded = np.unique(rounded, axis=0, return_inverse=True)
     loops = welded.reshape(-1)[mesh.triangles].astype(np.int64)
     edges = loops.ravel() * len(places) + np.roll(loops, -1, axis=1).ravel()
     found, counts = np.unique(edges, return_counts=True)
@@ -62,6 +63,7 @@ def boundary(mesh: Mesh) -> Floats:
 def coincident(meshes: Sequence[Mesh]) -> int:
     """Return the number of triangles that have the same corners as another one."""
     triangles = np.concatenate([mesh.positions[mesh.triangles] for mesh in meshes])
+    triangles = triangles.astype(np.float32)
     order = np.lexsort(triangles.transpose(2, 0, 1)[::-1], axis=1)
     in_order = np.take_along_axis(triangles, order[..., None], axis=1).reshape(-1, 9)
     # Adding zero makes both zeros the same bytes.

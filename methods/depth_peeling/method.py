@@ -2,8 +2,8 @@
 
     sum <- sum + T alpha L,    T <- T tau,    C = sum + T C0
 
-A fragment is peeled when its window depth lies beyond the last peeled depth of its pixel, compared
-bit for bit. Peeling ends after the first pass in which no sample passes, or after `layers` passes;
+A fragment is peeled when its depth lies beyond the last peeled depth of its pixel, compared bit for
+bit. Peeling ends after the first pass in which no sample passes, or after `layers` passes;
 the result is then exact for these first layers. Fragments with zero coverage are not layers.
 
 Memory 40 B/pixel, or 72 with floats: two depths, the peeled layer, its transmittance, and the sum
@@ -12,9 +12,9 @@ and the product of all layers.
 Source: Everitt 2001, "Interactive Order-Independent Transparency", NVIDIA.
 
 Known failures: of several fragments at exactly equal depth only the first one drawn is kept, which
-also happens pixel by pixel where two meshes cross. Window depth is a float: layers that are closer
-than its step, 6e-8 z^2 / near at z meters, count as equal. The number of geometry passes is the
-depth complexity plus one.
+also happens pixel by pixel where two meshes cross. Depth is a float: layers that are closer than
+about 1e-7 of their distance count as equal. The number of geometry passes is the depth complexity
+plus one.
 """
 
 import oitbench as oit
@@ -61,8 +61,8 @@ class DepthPeeling(oit.Method):
         return oit.Plan(
             targets={
                 "color": oit.Target(texel),
-                "depth": oit.Target("depth32f", clear=(1.0,)),
-                "peeled": oit.Target("depth32f", clear=(0.0,)),
+                "depth": oit.Target("depth32f"),
+                "peeled": oit.Target("depth32f", clear=(1.0,)),
                 "layer": oit.Target(texel),
                 "factor": oit.Target(texel, clear=(1.0,)),
                 "sum": oit.Target(texel),

@@ -4,10 +4,11 @@
     C = front + (1 - A_front) (back + (1 - A_back) C0)
 
 A is the fourth channel. A geometry pass composites the fragments at the two depths that the
-previous pass found, and finds the next two as the maximum of (-depth, depth) over the fragments
-between them. Depths are compared bit for bit, near before far, so an odd last layer is taken once.
-Colored transmission has one opacity per channel, o = 1 - tau, and three fronts and backs. Peeling
-ends after the first pass in which no sample passes: n/2 + 2 geometry passes for n layers.
+previous pass found, and finds the next two as the maximum of (d, -d) over the fragments between
+them, with the inverse depth d. Depths are compared bit for bit, near before far, so an odd last
+layer is taken once. Colored transmission has one opacity per channel, o = 1 - tau, and three fronts
+and backs. Peeling ends after the first pass in which no sample passes: n/2 + 2 geometry passes for
+n layers.
 
 Each pass takes two layers, so an odd number of `layers` is rounded up, and the layers that remain
 unseen lie in the middle of the stack. Fragments with zero coverage are not layers.
@@ -20,9 +21,9 @@ takes another pass over the screen. Here each target has its own blend function:
 composited at once by the operators under and over, and all fragments of equal depth count, where a
 maximum would merge them. Their total transmittance is exact, and their order is that of the draws.
 
-Known failures: at exactly equal depths the order follows no rule. Window depth is a float: layers
-that are closer than its step, 6e-8 z^2 / near at z meters, count as equal. The number of geometry
-passes grows with the depth complexity.
+Known failures: at exactly equal depths the order follows no rule. Depth is a float: layers that are
+closer than about 1e-7 of their distance count as equal. The number of geometry passes grows with
+the depth complexity.
 """
 
 import oitbench as oit

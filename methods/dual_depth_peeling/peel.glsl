@@ -3,13 +3,14 @@
 #include "curves.glsl"
 
 void gather(Fragment fragment) {
-    float near = -read_edges().x;
-    float far = read_edges().y;
-    if (fragment.depth < near || fragment.depth > far || fragment.coverage <= 0.0) {
+    float near = read_edges().x;
+    float far = -read_edges().y;
+    float depth = fragment.inverse_depth;
+    if (depth > near || depth < far || fragment.coverage <= 0.0) {
         discard;
     }
-    bool nearest = fragment.depth == near;
-    bool farthest = !nearest && fragment.depth == far;
+    bool nearest = depth == near;
+    bool farthest = !nearest && depth == far;
     for (int i = 0; i < CURVES; ++i) {
         vec4 layer = premultiplied(fragment);
 #ifdef EFFECT_COLORED_TRANSMISSION
@@ -18,5 +19,5 @@ void gather(Fragment fragment) {
         set_front(i, layer * float(nearest));
         set_back(i, layer * float(farthest));
     }
-    bounds = nearest || farthest ? vec2(-1.0) : vec2(-fragment.depth, fragment.depth);
+    bounds = nearest || farthest ? vec2(-1.0) : vec2(depth, -depth);
 }

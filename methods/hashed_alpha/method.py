@@ -36,4 +36,4 @@ class HashedAlpha(oit.Method):
         test = oit.Gather(
             "test.glsl", reads=("opaque_depth",), writes={"color": oit.REPLACE}, depth="depth"
         )
-        return oit.Plan({"depth": oit.Target("depth32f", clear=(1.0,))}, (test,))
+        return oit.Plan({"depth": oit.Target("depth32f")}, (test,))

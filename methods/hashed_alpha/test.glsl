@@ -3,7 +3,7 @@
 
 void gather(Fragment fragment) {
     vec4 layer = premultiplied(fragment);
-    if (layer.a < threshold(fragment.position) || fragment.depth >= read_opaque_depth()) {
+    if (layer.a < threshold(fragment.position) || !before_opaque(fragment, read_opaque_depth())) {
         discard;
     }
     color = vec4(layer.rgb / layer.a, 1.0);

@@ -3,9 +3,6 @@
 #include "layer.glsl"
 #include "oitbench/march.glsl"
 
-// Window depth of a view distance, m.
-float window_depth(float z) { return (1.0 - near_plane / z) / (1.0 - near_plane / far_plane); }
-
 void resolve() {
     float behind = view_distance(read_opaque_depth());
     Path path = path_through_medium(behind);
@@ -13,7 +10,7 @@ void resolve() {
     float passed = 1.0, variance = 0.0, part = jitter();
     for (int k = 0; k < STEPS; ++k) {
         Slice slice = slice_of(path, k, STEPS, part);
-        float weight = depth_weight(slice.coverage, window_depth(slice.z));
+        float weight = depth_weight(slice.coverage, window_depth(inverse_depth_at(slice.z)));
         sum += weight * slice.coverage * vec4(slice.radiance, 1.0);
         passed *= 1.0 - slice.coverage;
 #ifdef EFFECT_DIFFUSION

@@ -178,7 +178,7 @@ class Phenomenological(oit.Method):
             "upsample.glsl", reads=(*small, "small_distance", *depth), writes=writes
         )
         extra = {
-            "distance": oit.Target("r32f"), "depth": oit.Target("depth32f", clear=(1.0,)), **targets
+            "distance": oit.Target("r32f"), "depth": oit.Target("depth32f"), **targets
         }  # fmt: skip
         blocks = {f"small_{k}": replace(t, subsample=self.subsample) for k, t in extra.items()}
         steps = (shrink, particles, *gathers, *fog, spread, resolve)

@@ -126,9 +126,10 @@ def batch_of(objects: Sequence[Object], camera: Camera, base: int) -> Batch:
         base += len(mesh.positions)
         units.append((first, len(mesh.triangles)))
         first += len(mesh.triangles)
-        corners = mesh.positions[mesh.triangles].astype(np.float64)
+        corners = mesh.positions[mesh.triangles]
         places.append(corners.mean(axis=1))
-        unit_places.append((mesh.positions.min(axis=0) + mesh.positions.max(axis=0)) / 2)
+        points = mesh.used_positions
+        unit_places.append((points.min(axis=0) + points.max(axis=0)) / 2)
     return Batch(
         np.concatenate(triangles) if triangles else np.zeros((0, 3), np.uint32),
         np.array(units, dtype=np.int64).reshape(-1, 2),

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from functools import cached_property
 from typing import Any
 
@@ -19,15 +20,24 @@ from oitbench.method.blending import Blend
 from oitbench.method.formats import Format
 
 _COLOR, _TEXTURE_2D, _DEPTH_COMPONENT, _FLOAT = 0x1800, 0x0DE1, 0x1902, 0x1406
-_DEPTH_COMPONENT32F, _MAX_STORAGE_BLOCK, _MAX_TEXTURE = 0x8CAC, 0x90DE, 0x0D33
-_TEXTURE_2D_MULTISAMPLE, _DEPTH = 0x9100, 0x1801
-_MAX_VIEWPORT, _RGBA = 0x0D3A, 0x1908
-_MAX_DRAW_BUFFERS, _MAX_IMAGES = 0x8824, 0x90CE
+_DEPTH_COMPONENT32F, _TEXTURE_2D_MULTISAMPLE, _DEPTH, _RGBA = 0x8CAC, 0x9100, 0x1801, 0x1908
+_MAX_VIEWPORT, _LOWER_LEFT, _ZERO_TO_ONE = 0x0D3A, 0x8CA1, 0x935F
+_LIMITS = {
+    "GL_MAX_3D_TEXTURE_SIZE": 0x8073,
+    "GL_MAX_ARRAY_TEXTURE_LAYERS": 0x88FF,
+    "GL_MAX_DRAW_BUFFERS": 0x8824,
+    "GL_MAX_FRAGMENT_IMAGE_UNIFORMS": 0x90CE,
+    "GL_MAX_SHADER_STORAGE_BLOCK_SIZE": 0x90DE,
+    "GL_MAX_TEXTURE_IMAGE_UNITS": 0x8872,
+    "GL_MAX_TEXTURE_SIZE": 0x0D33,
+    "GL_MAX_UNIFORM_BLOCK_SIZE": 0x8A30,
+}
 _VOID = ctypes.c_void_p
 _UINT, _INT, _BYTE = ctypes.c_uint, ctypes.c_int, ctypes.c_ubyte
 _SIGNATURES: dict[str, tuple[Any, ...]] = {
     "glBlendFuncSeparatei": (_UINT, _UINT, _UINT, _UINT, _UINT),
     "glBlendEquationi": (_UINT, _UINT),
+    "glClipControl": (_UINT, _UINT),
     "glColorMaski": (_UINT, _BYTE, _BYTE, _BYTE, _BYTE),
     "glDepthMask": (_BYTE,),
     "glClearBufferfv": (_UINT, _INT, _VOID),
@@ -58,6 +68,8 @@ class Device:
         Whether the renderer runs on the CPU; it is then timed by wall clock.
     loop_limit : int or None
         Steps after which the driver ends all loops of a shader invocation.
+    limits : dict of str to int
+        The driver's limits by their names in OpenGL.
     max_block_bytes, max_targets, max_images, max_side : int
         Largest storage block, number of color targets and images of a pass, and frame side.
     programs : dict
@@ -85,14 +97,17 @@ class Device:
             name: self._load(backend.load, name, signature)
             for name, signature in _SIGNATURES.items()
         }
+        # The usual [-1, 1] would round small depths as if they were near one.
+        self.call("glClipControl", _LOWER_LEFT, _ZERO_TO_ONE)
         self.renderer = str(self.context.info["GL_RENDERER"])
         self.version = str(self.context.info["GL_VERSION"])
         self.software = is_software(self.renderer)
         self.loop_limit = loop_limit(self.renderer)
-        self.max_block_bytes = self._integer(_MAX_STORAGE_BLOCK)
-        self.max_targets = self._integer(_MAX_DRAW_BUFFERS)
-        self.max_images = self._integer(_MAX_IMAGES)
-        self.max_side = min(self._integer(_MAX_TEXTURE), self._integer(_MAX_VIEWPORT))
+        self.limits = {name: self._integer(number) for name, number in _LIMITS.items()}
+        self.max_block_bytes = self.limits["GL_MAX_SHADER_STORAGE_BLOCK_SIZE"]
+        self.max_targets = self.limits["GL_MAX_DRAW_BUFFERS"]
+        self.max_images = self.limits["GL_MAX_FRAGMENT_IMAGE_UNIFORMS"]
+        self.max_side = min(self.limits["GL_MAX_TEXTURE_SIZE"], self._integer(_MAX_VIEWPORT))
         self.programs: dict[tuple[str, str], moderngl.Program] = {}
 
     @staticmethod
@@ -123,6 +138,50 @@ class Device:
             if not self.has(capability):
                 names = " or ".join(CAPABILITIES[capability])
                 raise CapabilityError(f"{owner} needs {capability}: {self.renderer} has no {names}")
+
+    def within(self, owner: str, needed: int, limit: str) -> None:
+        """Raise `CapabilityError` if `needed` exceeds the driver's limit of this name.
+
+        Parameters
+        ----------
+        owner : str
+            What needs it, at the start of the message: "a texture of 1x32768 texels".
+        needed : int
+        limit : str
+            A key of `limits`.
+        """
+        if needed > self.limits[limit]:
+            raise CapabilityError(
+                f"{owner}: {needed} exceeds {limit}, which is {self.limits[limit]} for"
+                f" {self.renderer}"
+            )
+
+    @contextmanager
+    def checked(self, owner: str) -> Iterator[None]:
+        """Raise `CapabilityError` if OpenGL reports an error inside.
+
+        moderngl does not ask for errors: without this, pictures would silently lack something.
+
+        Parameters
+        ----------
+        owner : str
+            What is done inside, as the subject of the message.
+        """
+        self._take_errors()  # those of work that has failed before
+        yield
+        errors = self._take_errors()
+        if errors:
+            raise CapabilityError(
+                f"{owner}: {self.renderer} reports {' and '.join(errors)}; it lacks memory, or a"
+                " limit is exceeded"
+            )
+
+    def _take_errors(self) -> list[str]:
+        found: list[str] = []
+        # OpenGL keeps one flag for each kind of error; without a context, it never runs out.
+        while (error := self.context.error) != "GL_NO_ERROR" and error not in found:
+            found.append(error)
+        return found
 
     def mechanism(self, samples: int) -> str:
         """Return the best way of programmable blending that the driver offers.
@@ -179,19 +238,36 @@ class Device:
         texture.compare_func = ""
         return texture
 
+    def framebuffer(
+        self, colors: Sequence[moderngl.Texture], depth: moderngl.Texture | None = None
+    ) -> moderngl.Framebuffer:
+        """Create a framebuffer with these attachments."""
+        # moderngl binds the previous framebuffer again, which may have been released.
+        self.context.screen.use()
+        return self.context.framebuffer(colors, depth)
+
     def write_layer(
         self,
         array: moderngl.TextureArray,
         level: int,
-        layer: int,
-        size: tuple[int, int],
+        corner: tuple[int, int, int],
         texels: npt.NDArray[np.float32],
     ) -> None:
-        """Write a mip level of a layer of a float RGBA array; moderngl only writes level 0."""
+        """Write part of a mip level of a float RGBA array; moderngl only writes level 0.
+
+        Parameters
+        ----------
+        array : moderngl.TextureArray
+        level : int
+        corner : (int, int, int)
+            Column, row and layer of the first texel.
+        texels : array, shape (h, w, 4)
+        """
         data = np.ascontiguousarray(texels, dtype=np.float32)
+        height, width = data.shape[:2]
         self.call(
             "glTextureSubImage3D",
-            *(array.glo, level, 0, 0, layer, *size, 1, _RGBA, _FLOAT, data.ctypes.data),
+            *(array.glo, level, *corner, width, height, 1, _RGBA, _FLOAT, data.ctypes.data),
         )
 
     def copy(

@@ -26,7 +26,6 @@ from oitbench.gl.shading.lighting import Lighting
 from oitbench.gl.shading.occlusion import Occlusion, occludes
 from oitbench.gl.tiling import Counts, sum_by_tile
 from oitbench.gl.uploaded_scene import UploadedScene
-from oitbench.gl.view import view_block
 from oitbench.method.declaration import Method
 from oitbench.method.passes import (
     OPAQUE_COLOR,
@@ -132,11 +131,21 @@ class Frame(Owner):
             mechanism=mechanism or device.mechanism,
             counted=counted,
         )
+        if scene.geometry.coincident and self.plan.samples > 1:
+            one, other = scene.geometry.coincident
+            raise CapabilityError(
+                f"{method.label}: {one} and {other} lie in one plane; give one sample per pixel"
+            )
         self.complexity = scene.fragment_counts(size, effects)
         _check_loops(device, method, int(self.complexity.max()))
         self._transmittance: bool | None = None
-        with self.building():
+        with self.building(), device.checked(self._owner):
             self._build(block_limit)
+
+    @property
+    def _owner(self) -> str:
+        width, height = self.plan.size
+        return f"{self.plan.label} at {width}x{height}"
 
     def _build(self, block_limit: int | None) -> None:
         device, plan, geometry = self.device, self.plan, self.scene.geometry
@@ -173,7 +182,7 @@ class Frame(Owner):
 
     def _view_block(self, subsample: int, transmittance: bool) -> bytes:
         """Return the bytes of `View` for targets that are downsampled by `subsample`."""
-        return view_block(self.scene.scene.camera, self.plan.size, transmittance, subsample)
+        return self.scene.geometry.view(self.plan.size, transmittance, subsample)
 
     def _compile(self, blueprint: Blueprint, step: Step) -> CompiledStep:
         rounds = [self.textures]
@@ -223,8 +232,12 @@ class Frame(Owner):
         Raises
         ------
         CapabilityError
-            The records of a tile exceed the driver's limit.
+            The records of a tile exceed the driver's limit, or the driver reports an error.
         """
+        with self.device.checked(self._owner):
+            self._render(transmittance, permutation)
+
+    def _render(self, transmittance: bool, permutation: int | None) -> None:
         for stage in self.shading:
             stage.prepare()
         if self._transmittance is not transmittance:

@@ -6,19 +6,22 @@ All vertices share one buffer, so that any draw order is an order of indices.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 
 import moderngl
 import numpy as np
 import numpy.typing as npt
 
-from oitbench.errors import SceneError, UsageError
+from oitbench.errors import SceneError
 from oitbench.gl.batches import Batch, IndexOrder, batch_of, part_of
 from oitbench.gl.device import Device
 from oitbench.gl.ownership import Owner
+from oitbench.gl.planes import nearness_of_vertices, with_separate_corners
+from oitbench.gl.surface_textures import MATERIALS_ACROSS, SurfaceTextures, upload_materials
+from oitbench.gl.view import view_block
 from oitbench.method.passes import Objects, Order
-from oitbench.scene import BLACK, FragmentLists, Material, Object, Scene, Texture
-from oitbench.scene.texturing import premultiplied_pyramid
+from oitbench.scene import BLACK, FragmentLists, Material, Object, Scene, Vector
+from oitbench.scene.texturing import constants_of, image_key, images_of
 
 VERTEX = np.dtype(
     [
@@ -33,7 +36,7 @@ VERTEX = np.dtype(
     ]
 )
 VERTEX_FORMAT = "3f4 2f4 3f4 3f4 1f4 1f4 3f4 1f4"
-_UNTEXTURED = -1.0
+_UNTEXTURED = -1
 
 
 class Geometry(Owner):
@@ -46,6 +49,11 @@ class Geometry(Owner):
 
     Attributes
     ----------
+    scene : Scene
+        In meters, with the camera at the origin: vertices are relative to it.
+    origin : Vector
+        Position of the camera in the world in meters, less whole kilometers so that single
+        precision resolves it. Patterns that stick to surfaces add it to relative positions.
     opaque, transparent : Batch
     casting : Batch
         Transparent objects that cast shadows.
@@ -54,6 +62,8 @@ class Geometry(Owner):
     batches : dict of Objects to Batch
         Transparent objects by the choice of a pass.
     vertices : moderngl.Buffer
+    planes : moderngl.Buffer or None
+        Planes of the vertices, if surfaces coincide (see `oitbench.scene.coincidence`).
     textures : dict of str to moderngl.TextureArray or moderngl.Texture
         Samplers of the surface shader by name.
 
@@ -61,28 +71,37 @@ class Geometry(Owner):
     ------
     SceneError
         The scene mixes fragment lists and objects, or its textures have several sizes.
-    UsageError
-        The fragment lists exceed the driver's limits.
+    CapabilityError
+        The scene exceeds the driver's limits.
     """
 
     def __init__(self, device: Device, scene: Scene) -> None:
         if scene.lists is not None and scene.objects:
             raise SceneError(f"scene {scene.name}: fragment lists cannot be mixed with objects")
         super().__init__()
-        self.scene = scene
+        self.scene, self._coincidence = with_separate_corners(scene.seen_from_camera())
+        self.origin = _less_kilometers(scene.in_meters().camera.position)
         self.textures: dict[str, moderngl.TextureArray | moderngl.Texture] = {}
         self._device = device
-        self._layers: dict[int, int] = {}
         self._storeys = 1
+        self.planes: moderngl.Buffer | None = None
         self._orders: dict[Batch, IndexOrder] = {}
-        self._materials = _distinct(scene.objects)
+        materials = {id(item.material): item.material for item in scene.objects}
+        self._numbers = {key: number for number, key in enumerate(materials)}
+        self._images: SurfaceTextures | None = None
         with self.building():
-            if scene.lists is not None:
-                self._upload_lists(scene.lists)
-            self._upload_textures()
-            if any(_reflects_or_bends(material) for material in self._materials):
-                self._upload_materials()
+            if self.scene.lists is not None:
+                self._upload_lists(self.scene.lists)
+            self._upload_surfaces(list(materials.values()))
             self._upload_triangles()
+
+    def _upload_surfaces(self, materials: list[Material]) -> None:
+        if any(images_of(material) for material in materials):
+            images = SurfaceTextures(self._device, f"scene {self.scene.name}", materials)
+            self._images = self.own(images)
+            self.textures["surface_textures"] = self._images.array
+        if any(_reflects_or_bends(material) for material in materials):
+            self.textures["surface_materials"] = self.own(upload_materials(self._device, materials))
 
     def _upload_triangles(self) -> None:
         scene = self.scene
@@ -106,6 +125,18 @@ class Geometry(Owner):
         parts = [*opaque, *transparent]
         vertices = np.concatenate(parts) if parts else np.zeros(1, VERTEX)
         self.vertices = self.own(self._device.context.buffer(vertices.tobytes()))
+        if self._coincidence is not None:
+            rows = nearness_of_vertices(scene, self._coincidence)
+            self.planes = self.own(self._device.context.buffer(rows.tobytes()))
+
+    def view(self, size: tuple[int, int], transmittance: bool = False, subsample: int = 1) -> bytes:
+        """Return the bytes of `View` for a frame of the scene's camera; see `view_block`."""
+        return view_block(self.scene.camera, size, transmittance, subsample, self.origin)
+
+    @property
+    def coincident(self) -> tuple[str, str] | None:
+        """Two of the objects that coincide; None if none do."""
+        return None if self._coincidence is None else self._coincidence.pair
 
     @property
     def has_lists(self) -> bool:
@@ -121,8 +152,14 @@ class Geometry(Owner):
         """Facts about the scene that the surface shader needs at compile time."""
         if self.has_lists:
             return f"#define LISTS {self._storeys}"
-        found = {"TEXTURED": "surface_textures", "DETAILED": "surface_materials"}
-        return "\n".join(f"#define {k} 1" for k, name in found.items() if name in self.textures)
+        found: dict[str, int] = {}
+        if self._images is not None:
+            found |= {"TEXTURED": 1, **self._images.slots.macros}
+        if "surface_materials" in self.textures:
+            found |= {"DETAILED": 1, "MATERIALS_ACROSS": MATERIALS_ACROSS}
+        if self.planes is not None:
+            found["PLANES"] = 1
+        return "\n".join(f"#define {name} {value}" for name, value in found.items())
 
     def in_submission_order(self, batch: Batch) -> IndexOrder:
         """Return the draw order of a batch as submitted; it is uploaded once."""
@@ -140,71 +177,35 @@ class Geometry(Owner):
 
     def _vertices(self, item: Object) -> npt.NDArray[np.void]:
         mesh, material = item.mesh, item.material
-        layer = self._layers.get(id(material))
+        emission, coverage = constants_of(material)
         vertices = np.zeros(len(mesh.positions), VERTEX)
         vertices["in_position"] = mesh.positions
         vertices["in_uv"] = 0.0 if mesh.uvs is None else mesh.uvs
-        # A texture replaces material values; the vertex keeps the remaining factor.
-        emission = (1, 1, 1) if isinstance(material.emission, Texture) else material.emission
-        if layer is not None:
-            emission = (1, 1, 1)
         factor = 1.0 if mesh.radiance is None else mesh.radiance
         vertices["in_radiance"] = np.asarray(emission, dtype=np.float32) * factor
         vertices["in_transmission"] = material.transmission
-        coverage = 1.0 if layer is not None else material.coverage
-        vertices["in_coverage"] = 1.0 if isinstance(coverage, Texture) else coverage
-        vertices["in_layer"] = _UNTEXTURED if layer is None else layer
+        vertices["in_coverage"] = coverage
+        vertices["in_layer"] = self._slot(material)
         # A zero normal selects the normal of the triangle.
         vertices["in_normal"] = 0.0 if mesh.normals is None else mesh.normals
-        vertices["in_material"] = self._materials.index(material)
+        vertices["in_material"] = self._numbers[id(material)]
         return vertices
 
-    def _upload_materials(self) -> None:
-        rows = np.array([_material_row(item) for item in self._materials], dtype=np.float32)
-        texture = self.own(
-            self._device.context.texture((2, len(rows)), 4, rows.tobytes(), dtype="f4")
-        )
-        texture.filter = (moderngl.NEAREST, moderngl.NEAREST)
-        self.textures["surface_materials"] = texture
-
-    def _upload_textures(self) -> None:
-        scene = self.scene
-        pyramids = {
-            id(item.material): premultiplied_pyramid(item.material) for item in scene.objects
-        }
-        kept = {key: levels for key, levels in pyramids.items() if levels is not None}
-        if not kept:
-            return
-        self._layers = {key: layer for layer, key in enumerate(kept)}
-        sizes = {levels[0].shape[:2] for levels in kept.values()}
-        if len(sizes) > 1:
-            raise SceneError(
-                f"scene {scene.name}: textures of {sorted(sizes)}; give all of them one size"
-            )
-        height, width = sizes.pop()
-        context = self._device.context
-        array = self.own(context.texture_array((width, height, len(kept)), 4, dtype="f4"))
-        array.build_mipmaps()
-        for layer, levels in enumerate(kept.values()):
-            for level, image in enumerate(levels):
-                rows, columns = image.shape[:2]
-                self._device.write_layer(array, level, layer, (columns, rows), image[::-1])
-        array.filter = (moderngl.LINEAR_MIPMAP_NEAREST, moderngl.LINEAR)
-        array.repeat_x = array.repeat_y = False
-        self.textures["surface_textures"] = array
+    def _slot(self, material: Material) -> int:
+        images = images_of(material)
+        if images is None or self._images is None:
+            return _UNTEXTURED
+        return self._images.numbers[image_key(images)]
 
     def _upload_lists(self, lists: FragmentLists) -> None:
-        context = self._device.context
+        device, context = self._device, self._device.context
         layers, height, width = lists.z.shape
-        limit = int(context.info["GL_MAX_ARRAY_TEXTURE_LAYERS"])
+        limit = device.limits["GL_MAX_ARRAY_TEXTURE_LAYERS"]
         # Beyond the driver's limit on texture layers, each layer holds several, stacked in height.
         self._storeys = math.ceil(layers / limit)
         stored = math.ceil(layers / self._storeys)
-        if max(self._storeys * height, width) > self._device.max_side:
-            raise UsageError(
-                f"fragment lists of {layers} layers of {width}x{height} exceed the driver's limit"
-                f" of {self._device.max_side} texels; use fewer layers or a smaller frame"
-            )
+        owner = f"fragment lists of {layers} layers of {width}x{height}"
+        device.within(owner, max(self._storeys * height, width), "GL_MAX_TEXTURE_SIZE")
         spare = [(0, self._storeys * stored - layers), (0, 0), (0, 0), (0, 0)]
         for name, color, last in (
             ("list_radiance", lists.radiance, lists.coverage),
@@ -217,6 +218,11 @@ class Geometry(Owner):
             array = self.own(context.texture_array(size, 4, texels, dtype="f4"))
             array.filter = (moderngl.NEAREST, moderngl.NEAREST)
             self.textures[name] = array
+
+
+def _less_kilometers(position: Vector) -> Vector:
+    x, y, z = (part - 1000 * round(part / 1000) for part in position)
+    return x, y, z
 
 
 def _list_batch(lists: FragmentLists) -> tuple[list[npt.NDArray[np.void]], Batch]:
@@ -233,22 +239,7 @@ def _list_batch(lists: FragmentLists) -> tuple[list[npt.NDArray[np.void]], Batch
     return [vertices.reshape(-1)], batch
 
 
-def _distinct(objects: Sequence[Object]) -> list[Material]:
-    """Return the materials in order of first use; they are compared by identity."""
-    return list({id(item.material): item.material for item in objects}.values())
-
-
 def _reflects_or_bends(material: Material) -> bool:
     """Return whether the surface does more to light than cover, tint and emit it."""
     plain = material.albedo == BLACK and material.reflectance == 0 and material.collimation == 1
     return not plain or material.refracts
-
-
-def _material_row(material: Material) -> list[float]:
-    """Return the eight numbers that `surface_at` (shading.glsl) reads."""
-    index = material.index if material.refracts else 1.0
-    flags = int(material.isotropic) + 2 * int(material.binary_coverage)
-    return [
-        *material.albedo, material.reflectance,
-        material.roughness, index, material.collimation, float(flags),
-    ]  # fmt: skip

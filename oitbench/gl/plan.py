@@ -151,7 +151,7 @@ class FramePlan:
             **self.targets,
             "color": self.color,
             OPAQUE_COLOR: self.color,
-            OPAQUE_DEPTH: Target("depth32f", clear=(1.0,)),
+            OPAQUE_DEPTH: Target("depth32f"),
         }
 
     @cached_property

@@ -16,7 +16,6 @@ from oitbench.gl.shading.occlusion import Occlusion, occludes
 from oitbench.gl.shading.opaque import DEPTH, OpaquePicture
 from oitbench.gl.tiling import TILE
 from oitbench.gl.uploaded_scene import UploadedScene
-from oitbench.gl.view import view_block
 from oitbench.method.passes import OPAQUE_DEPTH, Gather
 from oitbench.method.storage import Buffer, Items, Target
 from oitbench.scene import FragmentLists
@@ -88,7 +87,7 @@ def _record(
     demand = np.zeros(resources.tiles, dtype=np.int64)
     demand[place[1] // TILE, place[0] // TILE] = count
     resources.reserve(demand)
-    view = owner.own(device.context.buffer(view_block(scene.scene.camera, size, False)))
+    view = owner.own(device.context.buffer(geometry.view(size)))
     color = owner.own(device.texture(size, _COLOR.texel))
     depth = owner.own(device.texture(size, DEPTH.texel))
     opaque = owner.own(

@@ -31,7 +31,7 @@ class UploadedScene(Owner):
 
     Raises
     ------
-    SceneError, UsageError
+    SceneError, CapabilityError
         The scene cannot be uploaded; see `Geometry`.
     """
 
@@ -41,7 +41,8 @@ class UploadedScene(Owner):
         self._map_side = map_side
         self._lightings: dict[Effect, Lighting] = {}
         self._counts: dict[tuple[tuple[int, int], bool], npt.NDArray[np.int64]] = {}
-        self.geometry = self.own(Geometry(device, scene))
+        with self.building(), device.checked(f"scene {scene.name}"):
+            self.geometry = self.own(Geometry(device, scene))
 
     def lighting(self, effects: Effect) -> Lighting | None:
         """Return the lighting that all frames under the same effects of shading share.
@@ -53,8 +54,9 @@ class UploadedScene(Owner):
             return None
         shading = effects & SHADING
         if shading not in self._lightings:
-            lighting = Lighting(self.device, self.geometry, shading, self._map_side)
-            self._lightings[shading] = self.own(lighting)
+            with self.device.checked(f"scene {self.scene.name}"):
+                lighting = Lighting(self.device, self.geometry, shading, self._map_side)
+                self._lightings[shading] = self.own(lighting)
         return self._lightings[shading]
 
     def fragment_counts(

@@ -8,10 +8,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from oitbench.gl.tiling import TILE
-from oitbench.scene import Camera, DirectionalLight, Floats, Object, SpotLight, axes_along
+from oitbench.scene import Camera, DirectionalLight, Floats, Object, SpotLight, Vector, axes_along
+from oitbench.scene.checks import require, single_precision
 
 ITERATION_OFFSET = 160
 """Byte offset of `iteration` in the block."""
+_LEAST_NEAR = 1e-30
+"""Meters; single precision holds the reciprocals of such distances."""
 _MARGIN = 0.02
 """Part of a map's width that stays empty on each side, for filters."""
 
@@ -49,22 +52,44 @@ class Projection:
         """Row whose dot product with (position, 1) is the view distance."""
         return np.asarray(-self.to_camera[2])
 
-    def block(self, size: tuple[int, int], transmittance: bool = False) -> bytes:
-        """Return the bytes of the block for a picture of `size` (width, height)."""
+    def block(
+        self,
+        size: tuple[int, int],
+        transmittance: bool = False,
+        origin: Vector = (0.0, 0.0, 0.0),
+    ) -> bytes:
+        """Return the bytes of the block for a picture of `size` (width, height).
+
+        Parameters
+        ----------
+        size : (int, int)
+        transmittance : bool
+            Whether all radiance is zero.
+        origin : Vector
+            `Geometry.origin`.
+
+        Raises
+        ------
+        SceneError
+            If a number does not fit in single precision.
+        """
         width, height = size
         tiles = [math.ceil(side / TILE) for side in size]
         gain = 0.0 if transmittance else 1.0
-        return b"".join(
-            (
-                self.world_to_clip.T.astype(np.float32).tobytes(),
-                self.to_camera.T.astype(np.float32).tobytes(),
-                np.array(
-                    [self.near, self.far, self.focal * height / 2, gain], dtype=np.float32
-                ).tobytes(),
-                np.array([width, height, *tiles, 0, 0, 0, 0], dtype=np.uint32).tobytes(),
-                self.eye.astype(np.float32).tobytes(),
-            )
-        )
+        infinite = math.isinf(self.far)
+        numbers = [self.near, self.near if infinite else self.far, self.focal * height / 2, gain]
+        to_camera = self.to_camera.copy()
+        to_camera[:3, 3] -= to_camera[:3, :3] @ np.asarray(origin)
+        parts = [
+            single_precision("the view of the scene", part)
+            for part in (self.world_to_clip.T, to_camera.T, numbers, self.eye, [*origin, 0.0])
+        ]
+        near = float(parts[2][0])
+        require(near >= _LEAST_NEAR, f"camera: near is {self.near} m; give a larger distance")
+        if infinite:
+            parts[2][1] = np.inf
+        sizes = np.array([width, height, *tiles, 0, 0, 0, 0], dtype=np.uint32)
+        return b"".join(part.tobytes() for part in (*parts[:3], sizes, *parts[3:]))
 
 
 def camera_projection(camera: Camera, aspect: float) -> Projection:
@@ -81,7 +106,11 @@ def camera_projection(camera: Camera, aspect: float) -> Projection:
 
 
 def view_block(
-    camera: Camera, size: tuple[int, int], transmittance: bool, subsample: int = 1
+    camera: Camera,
+    size: tuple[int, int],
+    transmittance: bool,
+    subsample: int = 1,
+    origin: Vector = (0.0, 0.0, 0.0),
 ) -> bytes:
     """Return the bytes of `View` for a frame of `size`, or for a downsampled target.
 
@@ -95,6 +124,8 @@ def view_block(
     subsample : int
         Downsampling factor per axis. The picture extends to whole blocks beyond the frame's edge,
         so that each texel covers the same number of pixels.
+    origin : Vector
+        `Geometry.origin`.
     """
     seen = camera_projection(camera, size[0] / size[1])
     small = (math.ceil(size[0] / subsample), math.ceil(size[1] / subsample))
@@ -102,7 +133,7 @@ def view_block(
     whole = np.diag([across, along, 1.0, 1.0])
     whole[:2, 3] = across - 1, along - 1
     seen = replace(seen, to_clip=whole @ seen.to_clip, focal=seen.focal * along)
-    return seen.block(small, transmittance)
+    return seen.block(small, transmittance, origin)
 
 
 def light_projection(
@@ -132,15 +163,15 @@ def _parallel(
     axes = axes_along(back)
     low, high = _bounds(casters, axes)
     deepest = _bounds(all_, axes)[0][2]
-    reach = float(np.linalg.norm(high - low)) / 2 + 1e-3
-    center, half = (low + high) / 2, np.maximum((high - low) / 2, 1e-6) * (1 + 2 * _MARGIN)
+    reach = float(np.linalg.norm(high - low)) / 2
+    center, half = (low + high) / 2, np.maximum((high - low) / 2, 1e-6 * reach) * (1 + 2 * _MARGIN)
     # The map's plane lies just before the nearest caster: the smallest variance that can be
     # distinguished from zero is proportional to the distance from it.
     before = _MARGIN * reach
     eye = np.array([center[0], center[1], high[2] + 2 * before]) @ axes
     near, far = before, float(high[2] + 2 * before - min(low[2], deepest)) * 1.01
-    to_clip = np.diag([1 / half[0], 1 / half[1], -2 / (far - near), 1.0])
-    to_clip[2, 3] = -(far + near) / (far - near)
+    to_clip = np.diag([1 / half[0], 1 / half[1], 1 / (far - near), 1.0])
+    to_clip[2, 3] = far / (far - near)
     return Projection(
         _to_camera(axes, eye),
         to_clip,
@@ -180,7 +211,7 @@ def _slopes(
     """Return the least and greatest (x, y) over distance of objects within a cone's square."""
     low, high = np.full(2, np.inf), np.full(2, -np.inf)
     for item in objects:
-        points = (item.mesh.positions.astype(np.float64) - position) @ axes.T
+        points = (item.mesh.used_positions - position) @ axes.T
         distance = -points[:, 2]
         if (distance < near).any():
             # Part of it lies behind the light: its corners give no bound.
@@ -194,7 +225,7 @@ def _bounds(objects: tuple[Object, ...], axes: Floats) -> tuple[Floats, Floats]:
     """Return the lowest and highest coordinates along `axes`."""
     low, high = np.full(3, np.inf), np.full(3, -np.inf)
     for item in objects:
-        points = item.mesh.positions.astype(np.float64) @ axes.T
+        points = item.mesh.used_positions @ axes.T
         low, high = np.minimum(low, points.min(axis=0)), np.maximum(high, points.max(axis=0))
     return low, high
 
@@ -207,11 +238,11 @@ def _to_camera(axes: Floats, position: Floats) -> Floats:
 
 
 def _perspective(across: float, along: float, near: float, far: float) -> Floats:
-    # The limits of the usual (far + near)/(near − far) and 2·far·near/(near − far).
+    # Reversed: the depth near/z of an infinite far plane is a float of full precision everywhere.
     ratio = 0.0 if math.isinf(far) else near / far
     matrix = np.zeros((4, 4))
     matrix[0, 0], matrix[1, 1] = across, along
-    matrix[2, 2] = -(1 + ratio) / (1 - ratio)
-    matrix[2, 3] = -2 * near / (1 - ratio)
+    matrix[2, 2] = ratio / (1 - ratio)
+    matrix[2, 3] = near / (1 - ratio)
     matrix[3, 2] = -1
     return matrix

@@ -32,7 +32,7 @@ class Order(enum.Enum):
     """Triangles by view distance of their centroid, far first, over all objects."""
 
 
-def _name(shader: str, defines: Mapping[str, int]) -> str:
+def _name(shader: str, defines: Mapping[str, float]) -> str:
     """Return the shader's name without folder and ending, followed by its macros."""
     macros = [f"{key.lower()}={value}" for key, value in defines.items()]
     return " ".join([PurePosixPath(shader).stem, *macros])
@@ -56,12 +56,13 @@ class Gather:
     order : Order
     depth : str, optional
         Target of format depth32f that takes the place of the opaque depth: fragments that are
-        nearer pass, and their depth is written. The opaque depth itself is never written.
+        nearer pass, and their `inverse_depth` is written: nearer is greater, so clear it to 0. The
+        opaque depth itself is never written.
     depth_writes : bool
         Whether `depth` is written; if not, it is only tested.
     clears : tuple of str
         Targets that are cleared just before this pass, in addition to the start of the frame.
-    defines : mapping of str to int
+    defines : mapping of str to int or float
         Macros of this pass, so that one shader can serve several passes.
     objects : Objects
     """
@@ -74,7 +75,7 @@ class Gather:
     depth: str | None = None
     depth_writes: bool = True
     clears: tuple[str, ...] = ()
-    defines: Mapping[str, int] = field(default_factory=dict)
+    defines: Mapping[str, float] = field(default_factory=dict)
     objects: Objects = Objects.ALL
 
     @property
@@ -101,7 +102,7 @@ class Resolve:
     buffers: tuple[str, ...] = ()
     depth: str | None = None
     clears: tuple[str, ...] = ()
-    defines: Mapping[str, int] = field(default_factory=dict)
+    defines: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def name(self) -> str:

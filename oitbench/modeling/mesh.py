@@ -117,12 +117,13 @@ def sphere(center: Vector, radius: float, slices: int, stacks: int) -> Mesh:
     profile[[0, -1], 0] = 0.0
     ball = lathe(profile, slices)
     placed = transform(ball, translation(center) @ scaling((radius, radius, radius)))
-    return replace(placed, normals=ball.positions)
+    return replace(placed, normals=ball.positions.astype(np.float32))
 
 
 def collapsed(positions: npt.NDArray[np.floating], triangles: Indices) -> npt.NDArray[np.bool_]:
     """Return which triangles, shape (m, 3), have two corners at the same place; shape (m,)."""
-    corners = positions[triangles]
+    # Sines of equal angles may differ in the last digits of double precision.
+    corners = positions.astype(np.float32)[triangles]
     following = np.roll(corners, -1, axis=1)
     return np.asarray((corners == following).all(axis=2).any(axis=1))
 

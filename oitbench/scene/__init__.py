@@ -1,7 +1,8 @@
 """Descriptions of scenes: frozen dataclasses that do not depend on a renderer.
 
-Space is right-handed with y up, in meters and radians; the camera looks down its −z axis. Radiance,
-transmission and albedo are linear Rec.709 and not premultiplied.
+Space is right-handed with y up, in the scene's unit of length (default: meters) and radians; the
+camera looks down its −z axis. Radiance, transmission and albedo are linear Rec.709 and not
+premultiplied.
 
 ========== =================================================================
 module     holds
@@ -9,6 +10,7 @@ module     holds
 model      `Scene`, and the effects that a scene requests
 objects    `Mesh`, `Object`, `FragmentLists`
 camera     `Camera`
+coincidence surfaces that lie in one plane
 material   `Material` and `Texture`: how surfaces cover, transmit and reflect
 lights     directional, spot and environment lights
 medium     `Medium`: fog

@@ -3,36 +3,43 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
 
 from oitbench.scene.checks import require, require_finite
-from oitbench.scene.vectors import Floats, Vector, axes_along
+from oitbench.scene.vectors import Floats, Vector, axes_along, relocated, unit
+
+_PARALLEL = 1e-9
+"""Sine of the angle to the view direction below which `up` gives no direction in the image."""
+_NEAR_Z = 0.9
+"""Cosine of the angle to the z axis above which y takes the place of −z."""
 
 
 @dataclass(frozen=True)
 class Camera:
-    """A pinhole camera.
+    """A pinhole camera. Lengths are in the scene's unit.
 
     Parameters
     ----------
     position, target : Vector
-        Meters in world space.
+        In world space.
     up : Vector
-        Direction that points up in the image, not parallel to the view direction.
+        Direction that points up in the image. If the camera looks along it, straight down or
+        straight up, it is as if the camera had turned there from looking along −z (along y, if `up`
+        lies near z): straight down, −z points up in the image.
     fov_y : float
         Full vertical opening angle, radians.
     near, far : float
-        Clip distances in meters. With the default, an infinite far plane, window depth is
-        d = 1 − near/z.
+        Clip distances. With the default, an infinite far plane, window depth is d = 1 − near/z.
 
     Raises
     ------
     SceneError
-        If a value is not finite, `target` equals `position`, `up` is parallel to the view
-        direction, or an angle or distance is out of range.
+        If a value is not finite, `target` equals `position`, `up` has no length, or an angle or
+        distance is out of range.
     """
 
     position: Vector
@@ -46,16 +53,33 @@ class Camera:
         require_finite("camera", position=self.position, target=self.target, up=self.up)
         require(0 < self.fov_y < math.pi, "camera: fov_y must lie between 0 and π radians")
         require(0 < self.near < self.far, "camera: near must be above 0 and below far")
-        require(self.position != self.target, "camera: position and target coincide; move one")
-        across = np.cross(np.asarray(self.up), np.subtract(self.position, self.target))
-        require(bool(across.any()), "camera: up is parallel to the view direction; turn it")
+        require(any(self._back), "camera: position and target coincide; move one")
+        require(any(self.up), "camera: up has no length; give a nonzero vector")
 
     @property
+    def _back(self) -> Floats:
+        return np.subtract(self.position, self.target, dtype=np.float64)
+
+    @cached_property
     def axes(self) -> Floats:
         """Unit vectors right, up and back (away from the target) as rows, shape (3, 3)."""
-        return axes_along(np.subtract(self.position, self.target), self.up)
+        back, up = unit(self._back), unit(np.asarray(self.up, dtype=np.float64))
+        if np.linalg.norm(np.cross(up, back)) < _PARALLEL:
+            ahead = np.array([0.0, 1.0, 0.0] if abs(up[2]) > _NEAR_Z else [0.0, 0.0, -1.0])
+            up = ahead * np.sign(up @ back)
+        return axes_along(back, up)
+
+    def relocated(self, origin: Vector, scale: float) -> Camera:
+        """Return the camera relative to `origin`, in units that are `scale` times smaller."""
+        return replace(
+            self,
+            position=relocated(self.position, origin, scale),
+            target=relocated(self.target, origin, scale),
+            near=self.near * scale,
+            far=self.far * scale,
+        )
 
     def view_distance(self, points: npt.ArrayLike) -> Floats:
-        """Return the distance of `points`, shape (..., 3), along the view axis, in meters."""
+        """Return the distance of `points`, shape (..., 3), along the view axis."""
         offset = np.asarray(points, dtype=np.float64) - np.asarray(self.position)
         return np.asarray(-(offset @ self.axes[2]))

@@ -7,13 +7,13 @@ it, in `oitbench/gl/shading` and in `oitbench/path_traced`.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from oitbench.scene.checks import require, require_finite
+from oitbench.scene.checks import require, require_finite, require_light
 from oitbench.scene.material import Texture
-from oitbench.scene.vectors import RGB, WHITE, Floats, Vector
+from oitbench.scene.vectors import RGB, WHITE, Floats, Vector, relocated
 
 PENUMBRA = 0.1
 """Outer fraction of a spot light's half angle over which it fades out, linearly in the angle."""
@@ -33,14 +33,15 @@ class DirectionalLight:
     Raises
     ------
     SceneError
-        If a value is not finite or the direction is zero.
+        If a value is not finite, the irradiance is negative, or the direction is zero.
     """
 
     direction: Vector
     irradiance: RGB = WHITE
 
     def __post_init__(self) -> None:
-        require_finite("light", direction=self.direction, irradiance=self.irradiance)
+        require_finite("light", direction=self.direction)
+        require_light("light", irradiance=self.irradiance)
         require(any(self.direction), "light: its direction has no length; give a nonzero vector")
 
 
@@ -51,17 +52,19 @@ class SpotLight:
     Parameters
     ----------
     position, target : Vector
-        Meters; the axis of the cone runs from `position` to `target`.
+        In the scene's unit; the axis of the cone runs from `position` to `target`.
     intensity : RGB
-        Radiant intensity, W·sr⁻¹ on the scene's arbitrary scale. It is constant from the axis up to
-        1 − `PENUMBRA` of the half angle and fades to zero over the rest.
+        Radiant intensity, W·sr⁻¹ on the scene's arbitrary scale, whatever the unit of length. It is
+        constant from the axis up to 1 − `PENUMBRA` of the half angle and fades to zero over the
+        rest.
     angle : float
         Full opening angle of the cone in radians, in (0, π).
 
     Raises
     ------
     SceneError
-        If a value is not finite, `position` equals `target`, or `angle` is out of range.
+        If a value is not finite, the intensity is negative, `position` equals `target`, or `angle`
+        is out of range.
     """
 
     position: Vector
@@ -71,9 +74,18 @@ class SpotLight:
 
     def __post_init__(self) -> None:
         require_finite("light", position=self.position, target=self.target)
-        require_finite("light", intensity=self.intensity)
-        require(self.position != self.target, "light: position and target coincide; move one")
+        require_light("light", intensity=self.intensity)
+        apart = np.subtract(self.position, self.target, dtype=np.float64)
+        require(any(apart), "light: position and target coincide; move one")
         require(0 < self.angle < math.pi, "light: angle must lie between 0 and π radians")
+
+    def relocated(self, origin: Vector, scale: float) -> SpotLight:
+        """Return the light relative to `origin`, in units that are `scale` times smaller."""
+        return replace(
+            self,
+            position=relocated(self.position, origin, scale),
+            target=relocated(self.target, origin, scale),
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,14 +102,14 @@ class EnvironmentLight:
     Raises
     ------
     SceneError
-        If a color is not finite.
+        If the radiance is negative or not finite.
     """
 
     radiance: RGB | Texture = WHITE
 
     def __post_init__(self) -> None:
-        if not isinstance(self.radiance, Texture):
-            require_finite("light", radiance=self.radiance)
+        light = self.radiance
+        require_light("light", radiance=light.texels if isinstance(light, Texture) else light)
 
     @property
     def texels(self) -> Floats:

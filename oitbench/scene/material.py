@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from oitbench.scene.checks import require, require_finite
+from oitbench.scene.checks import require, require_finite, require_fractions, require_light
 from oitbench.scene.vectors import BLACK, RGB, Array
 
 
@@ -106,25 +106,13 @@ class Material:
     def __post_init__(self) -> None:
         coverage = self.coverage.texels if isinstance(self.coverage, Texture) else self.coverage
         emission = self.emission.texels if isinstance(self.emission, Texture) else self.emission
-        require_finite(
-            "material", coverage=coverage, emission=emission, transmission=self.transmission,
-            albedo=self.albedo, specular=self.specular, roughness=self.roughness, index=self.index,
-            collimation=self.collimation,
+        require_light("material", emission=emission)
+        require_finite("material", index=self.index)
+        require_fractions(
+            "material", coverage=coverage, transmission=self.transmission, albedo=self.albedo,
+            specular=self.reflectance, roughness=self.roughness, collimation=self.collimation,
         )  # fmt: skip
-        fractions = {
-            "coverage": coverage,
-            "transmission": self.transmission,
-            "albedo": self.albedo,
-            "specular": self.reflectance,
-            "roughness": self.roughness,
-            "collimation": self.collimation,
-        }
-        for name, value in fractions.items():
-            values = np.asarray(value)
-            inside = bool(((values >= 0) & (values <= 1)).all())
-            require(inside, f"material: {name} must lie in [0, 1]")
         require(np.ndim(coverage) in (0, 2), "material: coverage has colors; give texels (h, w)")
-        require(bool((np.asarray(emission) >= 0).all()), "material: emission is negative")
         require(self.index >= 1, f"material: index is {self.index}; it must be at least 1 (vacuum)")
 
     @property

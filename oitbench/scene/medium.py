@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
 
-from oitbench.scene.checks import require, require_finite
-from oitbench.scene.vectors import RGB, WHITE, Array, Floats, Vector
+from oitbench.scene.checks import require, require_finite, require_fractions
+from oitbench.scene.vectors import RGB, WHITE, Array, Floats, Vector, relocated
 
 
 @dataclass(frozen=True, eq=False)
@@ -19,9 +19,9 @@ class Medium:
     Parameters
     ----------
     extinction : float
-        Extinction coefficient σ_t where the density is one, in m⁻¹.
+        Extinction coefficient σ_t where the density is one, per unit of length of the scene.
     low, high : Vector
-        Opposite corners of the box, meters.
+        Opposite corners of the box, in the scene's unit.
     albedo : RGB
         Single-scattering albedo Λ.
     anisotropy : float
@@ -50,11 +50,9 @@ class Medium:
 
     def __post_init__(self) -> None:
         require_finite("medium", extinction=self.extinction, low=self.low, high=self.high)
-        require_finite("medium", albedo=self.albedo, density=self.density)
-        require(all(0 <= part <= 1 for part in self.albedo), "medium: albedo must lie in [0, 1]")
+        require_fractions("medium", albedo=self.albedo, collimation=self.collimation)
         require(self.extinction >= 0, "medium: extinction is negative; give 0 or more")
         require(-1 < self.anisotropy < 1, "medium: anisotropy must lie between -1 and 1")
-        require(0 <= self.collimation <= 1, "medium: collimation must lie in [0, 1]")
         require(
             all(low < high for low, high in zip(self.low, self.high, strict=True)),
             "medium: its box is empty; low must be below high on every axis",
@@ -62,8 +60,16 @@ class Medium:
         density = self.density
         if density is not None:
             require(density.ndim == 3, f"medium: density is {density.shape}; give (nz, ny, nx)")
-            inside = bool(((density >= 0) & (density <= 1)).all())
-            require(inside, "medium: density must lie in [0, 1]")
+            require_fractions("medium", density=density)
+
+    def relocated(self, origin: Vector, scale: float) -> Medium:
+        """Return the medium relative to `origin`, in units that are `scale` times smaller."""
+        return replace(
+            self,
+            extinction=self.extinction / scale,
+            low=relocated(self.low, origin, scale),
+            high=relocated(self.high, origin, scale),
+        )
 
 
 def sample_density(

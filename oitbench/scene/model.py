@@ -3,16 +3,21 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from collections import Counter
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 from oitbench.effects import Effect
 from oitbench.scene.camera import Camera
-from oitbench.scene.checks import require, require_finite
+from oitbench.scene.checks import require, require_light
+from oitbench.scene.coincidence import Coincidence, find_coincidence
 from oitbench.scene.lights import DirectionalLight, EnvironmentLight, Light, SpotLight
 from oitbench.scene.medium import Medium
 from oitbench.scene.objects import FragmentLists, Object
-from oitbench.scene.vectors import BLACK, RGB
+from oitbench.scene.vectors import BLACK, RGB, Vector
 
+FAR = 100
+"""Distance of the camera from the origin beside that to its target; see `Scene.near_origin`."""
 MOST_STOPS = 120
 """Largest exposure: 2^exposure and the exposures of HDR-FLIP beside it are single floats."""
 
@@ -41,8 +46,12 @@ class Scene:
         Exposure value in stops, for display and for every metric of the displayed image: radiance
         is multiplied by 2^exposure.
     ambient_occlusion : float
-        Largest distance in meters at which surfaces hide the environment light from each other.
-        Default: 0, no occlusion.
+        Largest distance at which surfaces hide the environment light from each other. Default: 0,
+        no occlusion.
+    meters_per_unit : float
+        Length of the scene's unit in meters: 0.001 if it is written in millimeters. It applies to
+        all lengths of camera, meshes, lights, medium and `ambient_occlusion`, and to the medium's
+        extinction (an inverse length). Radiance, irradiance and intensity do not depend on it.
 
     Attributes
     ----------
@@ -65,18 +74,22 @@ class Scene:
     background: RGB = BLACK
     exposure: float = 0.0
     ambient_occlusion: float = 0.0
+    meters_per_unit: float = 1.0
     effects: Effect = field(init=False)
 
     def __post_init__(self) -> None:
         owner = f"scene {self.name}"
-        require_finite(owner, background=self.background, exposure=self.exposure)
+        require_light(owner, background=self.background)
         require(
             abs(self.exposure) <= MOST_STOPS,
             f"{owner}: exposure is {self.exposure:g} stops; keep it within ±{MOST_STOPS}",
         )
-        names = [item.name for item in self.objects]
-        doubled = {name for name in names if names.count(name) > 1}
-        require(not doubled, f"{owner}: two objects are named {sorted(doubled)}; rename one")
+        counts = Counter(item.name for item in self.objects)
+        doubled = sorted(name for name, count in counts.items() if count > 1)
+        require(not doubled, f"{owner}: two objects are named {doubled}; rename one")
+        for item in self.objects:
+            known = not item.decal_of or item.decal_of in counts
+            require(known, f"{owner}: {item.name} is a decal of {item.decal_of}, which is missing")
         require(bool(self.objects) or self.lists is not None, f"{owner}: it has no object")
         around = [light for light in self.lights if isinstance(light, EnvironmentLight)]
         require(len(around) <= 1, f"{owner}: it has {len(around)} environment lights; keep one")
@@ -86,9 +99,61 @@ class Scene:
         )
         require(
             math.isfinite(self.ambient_occlusion) and self.ambient_occlusion >= 0,
-            f"{owner}: ambient_occlusion is {self.ambient_occlusion}; give 0 or more meters",
+            f"{owner}: ambient_occlusion is {self.ambient_occlusion}; give 0 or more",
         )
+        require(
+            math.isfinite(self.meters_per_unit) and self.meters_per_unit > 0,
+            f"{owner}: meters_per_unit is {self.meters_per_unit}; give a length above 0",
+        )
+        if self.lists is not None:
+            near, far = self.camera.near, self.camera.far
+            seen = bool(((self.lists.z > near) & (self.lists.z <= far)).all())
+            require(seen, f"{owner}: z of its fragment lists must lie between {near} and {far}")
         object.__setattr__(self, "effects", _requested_effects(self))
+
+    def in_meters(self) -> Scene:
+        """Return the same scene with all lengths in meters."""
+        return self if self.meters_per_unit == 1 else self._relocated((0.0, 0.0, 0.0))
+
+    def seen_from_camera(self) -> Scene:
+        """Return the same scene in meters, with the camera at the origin.
+
+        Renderers compute in single precision, which is fine near the camera alone.
+        """
+        return self._relocated(self.camera.position)
+
+    def near_origin(self) -> Scene:
+        """Return the same scene in meters, with the camera at the origin if it was far from there.
+
+        Far means `FAR` times the distance to its target. Nearer, the scene's own origin resolves
+        its surfaces better.
+        """
+        camera = self.camera
+        far = math.hypot(*camera.position) > FAR * math.dist(camera.position, camera.target)
+        return self.seen_from_camera() if far else self.in_meters()
+
+    def _relocated(self, origin: Vector) -> Scene:
+        scale = self.meters_per_unit
+        return replace(
+            self,
+            camera=self.camera.relocated(origin, scale),
+            objects=tuple(
+                replace(item, mesh=item.mesh.relocated(origin, scale)) for item in self.objects
+            ),
+            lists=None if self.lists is None else self.lists.scaled(scale),
+            lights=tuple(
+                light.relocated(origin, scale) if isinstance(light, SpotLight) else light
+                for light in self.lights
+            ),
+            medium=None if self.medium is None else self.medium.relocated(origin, scale),
+            ambient_occlusion=self.ambient_occlusion * scale,
+            meters_per_unit=1.0,
+        )
+
+    @cached_property
+    def coincidence(self) -> Coincidence | None:
+        """Where surfaces coincide, relative to the camera and in meters; None for nowhere."""
+        return find_coincidence(self.seen_from_camera().objects)
 
     @property
     def opaque(self) -> tuple[Object, ...]:

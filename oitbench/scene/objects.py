@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
 
-from oitbench.scene.checks import require, require_finite
+from oitbench.scene.checks import require, require_finite, require_fractions, require_light
 from oitbench.scene.material import Material, Texture
-from oitbench.scene.vectors import Array
+from oitbench.scene.vectors import Array, Floats, Vector
+
+_NEAR_ONE = 0.02
+"""Error of a normal's length that is allowed; normals of 8 bits are off by less."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -18,8 +22,8 @@ class Mesh:
 
     Parameters
     ----------
-    positions : array, shape (n, 3), float32
-        World positions in meters.
+    positions : array, shape (n, 3), float64
+        World positions in the scene's unit. Any numbers are converted.
     triangles : array, shape (m, 3), uint32
         Vertex indices; counterclockwise seen from the front.
     uvs : array, shape (n, 2), float32, optional
@@ -32,17 +36,18 @@ class Mesh:
     Raises
     ------
     SceneError
-        If an array has a wrong shape, a position or attribute is not finite, there is no triangle,
-        or an index is out of range.
+        If an array has a wrong shape, a value is not finite, radiance is negative, a normal is not
+        of length one, there is no triangle, or an index is out of range.
     """
 
-    positions: Array
+    positions: Floats
     triangles: npt.NDArray[np.uint32]
     uvs: Array | None = None
     radiance: Array | None = None
     normals: Array | None = None
 
     def __post_init__(self) -> None:
+        object.__setattr__(self, "positions", np.asarray(self.positions, dtype=np.float64))
         count = len(self.positions)
         require(self.positions.shape == (count, 3), "mesh: positions must be (n, 3)")
         require(self.triangles.shape[1:] == (3,), "mesh: triangles must be (m, 3)")
@@ -58,8 +63,12 @@ class Mesh:
                 values is None or values.shape == (count, width),
                 f"mesh: {name} must be ({count}, {width})",
             )
-        require_finite("mesh", positions=self.positions, uvs=self.uvs)
-        require_finite("mesh", radiance=self.radiance, normals=self.normals)
+        require_finite("mesh", positions=self.positions, uvs=self.uvs, normals=self.normals)
+        require_light("mesh", radiance=self.radiance)
+        if self.normals is not None:
+            lengths = np.linalg.norm(self.normals, axis=1)
+            unit = bool((np.abs(lengths - 1) <= _NEAR_ONE).all())
+            require(unit, "mesh: normals must have length one; divide them by their lengths")
 
     @classmethod
     def from_arrays(
@@ -79,12 +88,23 @@ class Mesh:
             As in `Mesh`.
         """
         return cls(
-            np.asarray(positions, dtype=np.float32),
+            np.asarray(positions, dtype=np.float64),
             np.asarray(triangles).astype(np.uint32),
             None if uvs is None else np.asarray(uvs, dtype=np.float32),
             None if radiance is None else np.asarray(radiance, dtype=np.float32),
             None if normals is None else np.asarray(normals, dtype=np.float32),
         )
+
+    @cached_property
+    def used_positions(self) -> Floats:
+        """Positions of the vertices that triangles use, shape (k, 3): only they have a place."""
+        used = np.zeros(len(self.positions), dtype=bool)
+        used[self.triangles] = True
+        return self.positions if used.all() else self.positions[used]
+
+    def relocated(self, origin: Vector, scale: float) -> Mesh:
+        """Return the mesh relative to `origin`, in units that are `scale` times smaller."""
+        return replace(self, positions=(self.positions - np.asarray(origin)) * scale)
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,11 +123,14 @@ class Object:
         fitted to the remaining objects. The object still receives shadows.
     particles : bool
         True for sprites without fine detail, which may be accumulated at a lower resolution.
+    decal_of : str, optional
+        Name of the object in whose planes this one lies. Surfaces that lie exactly in one plane
+        are found without it.
 
     Raises
     ------
     SceneError
-        If the material has a texture and the mesh has no uvs.
+        If the material has a texture and the mesh has no uvs, or it is a decal of itself.
     """
 
     name: str
@@ -115,8 +138,10 @@ class Object:
     material: Material
     casts: bool = True
     particles: bool = False
+    decal_of: str = ""
 
     def __post_init__(self) -> None:
+        require(self.decal_of != self.name, f"object {self.name}: it is a decal of itself")
         textured = isinstance(self.material.coverage, Texture) or isinstance(
             self.material.emission, Texture
         )
@@ -136,7 +161,7 @@ class FragmentLists:
     Parameters
     ----------
     z : array, shape (n, h, w), float32
-        Linear view distance in meters, beyond the camera's near plane.
+        Linear view distance in the scene's unit, between the camera's near and far plane.
     coverage : array, shape (n, h, w), float32
         α in [0, 1].
     radiance : array, shape (n, h, w, 3), float32
@@ -147,7 +172,7 @@ class FragmentLists:
     Raises
     ------
     SceneError
-        If an array has a wrong shape or a value is not finite.
+        If an array has a wrong shape, or a value is not finite or out of range.
     """
 
     z: Array
@@ -161,5 +186,11 @@ class FragmentLists:
         require(self.coverage.shape == shape, f"fragment lists: coverage must be {shape}")
         for name, values in (("radiance", self.radiance), ("transmission", self.transmission)):
             require(values.shape == (*shape, 3), f"fragment lists: {name} must be {(*shape, 3)}")
-        require_finite("fragment lists", z=self.z, coverage=self.coverage)
-        require_finite("fragment lists", radiance=self.radiance, transmission=self.transmission)
+        require_finite("fragment lists", z=self.z)
+        require_light("fragment lists", radiance=self.radiance)
+        require_fractions("fragment lists", coverage=self.coverage, transmission=self.transmission)
+
+    def scaled(self, scale: float) -> FragmentLists:
+        """Return the lists in units of length that are `scale` times smaller."""
+        z = self.z if scale == 1 else (self.z.astype(np.float64) * scale).astype(np.float32)
+        return replace(self, z=z)

@@ -1,7 +1,8 @@
 """The texture filter that both renderers share: a premultiplied mip pyramid and a lookup rule.
 
 Emission and coverage are filtered together and premultiplied, (α·L, α). Filtered separately, the
-color of uncovered texels would bleed into covered ones.
+color of uncovered texels would bleed into covered ones. A material's constant emission or coverage
+is a factor on the filtered value.
 
 The lookup rule: let `dx` and `dy` be the derivatives of uv × size per sub-pixel, in texels. Then
 `lod = clamp(½·log2(max(dx·dx, dy·dy)), 0, levels − 1)`. The lookup is bilinear in the levels ⌊lod⌋
@@ -11,43 +12,82 @@ two levels.
 
 from __future__ import annotations
 
+from collections.abc import Hashable, Iterable
+
 import numpy as np
 import numpy.typing as npt
 
 from oitbench.errors import SceneError
 from oitbench.scene.material import Material, Texture
-from oitbench.scene.vectors import Array, Floats
+from oitbench.scene.vectors import RGB, WHITE, Array, Floats
+
+Images = tuple[Texture | None, Texture | None]
+"""The textures of a material's emission and coverage; None where the value is a constant."""
 
 
-def premultiplied_pyramid(material: Material) -> list[Array] | None:
-    """Combine a material's emission and coverage into one box-filtered mip pyramid.
+def images_of(material: Material) -> Images | None:
+    """Return the textures of a material, or None if it has none."""
+    emission, coverage = (
+        value if isinstance(value, Texture) else None
+        for value in (material.emission, material.coverage)
+    )
+    return None if emission is None and coverage is None else (emission, coverage)
+
+
+def constants_of(material: Material) -> tuple[RGB, float]:
+    """Return the factors of a material on the emission and the coverage of its textures.
+
+    A material of constant emission and coverage has no textures, and its factors are its values.
+    """
+    emission, coverage = material.emission, material.coverage
+    return (
+        WHITE if isinstance(emission, Texture) else emission,
+        1.0 if isinstance(coverage, Texture) else coverage,
+    )
+
+
+def distinct_images(materials: Iterable[Material]) -> dict[Hashable, Images]:
+    """Return the pairs of textures of all materials that have some, by `image_key`."""
+    found = (images_of(material) for material in materials)
+    return {image_key(images): images for images in found if images is not None}
+
+
+def image_key(images: Images) -> Hashable:
+    """Return a key under which equal pairs of textures compare equal: by identity."""
+    return tuple(map(id, images))
+
+
+def premultiplied_pyramid(images: Images) -> list[Array]:
+    """Combine the textures of emission and coverage into one box-filtered mip pyramid.
+
+    Constants of a material are not in it, so that materials of other constants share it.
 
     Parameters
     ----------
-    material : Material
+    images : pair of Texture or None
+        Of emission and of coverage; None counts as one. At least one is a texture.
 
     Returns
     -------
-    list of array, shape (h, w, 4), float32, or None
+    list of array, shape (h, w, 4), float32
         α·L (linear Rec.709) and α. The levels run from the finest down to 1 × 1; the first row of
-        each is the top (v = 1). None if the material has no texture.
+        each is the top (v = 1).
 
     Raises
     ------
     SceneError
         If the two textures differ in size.
     """
-    emission, coverage = material.emission, material.coverage
-    sizes = {item.texels.shape[:2] for item in (emission, coverage) if isinstance(item, Texture)}
-    if not sizes:
-        return None
+    emission, coverage = images
+    sizes = {item.texels.shape[:2] for item in images if item is not None}
     if len(sizes) > 1:
         found = " and ".join(f"{width}x{height}" for height, width in sorted(sizes))
         raise SceneError(f"material: its textures are {found}; give emission and coverage one size")
     (size,) = sizes
-    image = np.empty((*size, 4), dtype=np.float32)
-    image[..., 3] = coverage.texels if isinstance(coverage, Texture) else coverage
-    color = emission.texels if isinstance(emission, Texture) else np.asarray(emission, np.float32)
+    image = np.ones((*size, 4), dtype=np.float32)
+    if coverage is not None:
+        image[..., 3] = coverage.texels
+    color = np.ones((1, 1, 3), dtype=np.float32) if emission is None else emission.texels
     image[..., :3] = (color[..., None] if color.ndim == 2 else color) * image[..., 3:]
     levels = [image]
     while levels[-1].shape[:2] != (1, 1):

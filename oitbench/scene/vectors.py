@@ -31,7 +31,14 @@ def opposite(direction: Vector) -> Vector:
 
 def unit(vectors: Floats) -> Floats:
     """Return vectors of length one in the same directions; the last axis holds the components."""
-    return np.asarray(vectors / np.linalg.norm(vectors, axis=-1, keepdims=True))
+    scaled = _near_one(vectors)
+    return np.asarray(scaled / np.linalg.norm(scaled, axis=-1, keepdims=True))
+
+
+def _near_one(vectors: Floats) -> Floats:
+    """Scale vectors by powers of two, without rounding, so that no square of them overflows."""
+    _, exponent = np.frexp(np.abs(vectors).max(axis=-1, keepdims=True))
+    return np.asarray(np.ldexp(vectors, -exponent))
 
 
 def axes_along(back: npt.ArrayLike, up: npt.ArrayLike | None = None) -> Floats:
@@ -50,9 +57,13 @@ def axes_along(back: npt.ArrayLike, up: npt.ArrayLike | None = None) -> Floats:
     array, shape (3, 3), float64
         Unit vectors right, up and back as rows.
     """
-    direction = np.asarray(back, dtype=np.float64)
-    direction = direction / np.linalg.norm(direction)
+    direction = unit(np.asarray(back, dtype=np.float64))
     upward = np.eye(3)[np.argmin(np.abs(direction))] if up is None else np.asarray(up, np.float64)
-    right = np.cross(upward, direction)
-    right /= np.linalg.norm(right)
+    right = unit(np.cross(_near_one(upward), direction))
     return np.stack([right, np.cross(direction, right), direction])
+
+
+def relocated(point: Vector, origin: Vector, scale: float) -> Vector:
+    """Return a point relative to `origin`, in units that are `scale` times smaller."""
+    x, y, z = ((a - b) * scale for a, b in zip(point, origin, strict=True))
+    return x, y, z

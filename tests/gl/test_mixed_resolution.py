@@ -187,7 +187,7 @@ def test_memory_and_traffic_count_the_texels_of_small_targets(device: Device) ->
 TARGETS = """{
     "whole": Target("r32f"),
     "part": Target("r32f", subsample=2),
-    "depth": Target("depth32f", clear=(1.0,), subsample=2),
+    "depth": Target("depth32f", subsample=2),
 }"""
 BUFFERS = '{"heads": Buffer({"first": "uint"}, Items.PIXELS)}'
 
@@ -226,14 +226,14 @@ def test_a_pass_that_mixes_sizes_is_refused(
 def test_a_resolve_can_write_the_depth_that_a_gather_tests(device: Device, tmp_path: Path) -> None:
     targets = """{
         "part": Target("r32f", subsample=2),
-        "depth": Target("depth32f", clear=(0.0,), subsample=2),
+        "depth": Target("depth32f", clear=(1.0,), subsample=2),
     }"""
     passes = """(
         Resolve("fill.glsl", depth="depth"),
         Gather("count.glsl", writes={"part": ADD}, depth="depth", depth_writes=False),
     )"""
     # The depth is that of a wall at 3 m in the left half of the frame, and of nothing elsewhere.
-    fill = "void resolve() { gl_FragDepth = gl_FragCoord.x < 16.0 ? 1.0 - 0.1 / 3.0 : 1.0; }"
+    fill = "void resolve() { gl_FragDepth = gl_FragCoord.x < 16.0 ? 0.1 / 3.0 : 0.0; }"
     count = "void gather(Fragment fragment) { part = 1.0; }"
     folder = write_method(tmp_path / "tested", passes, targets, fill=fill, count=count)
     chosen = foreign_method(folder)

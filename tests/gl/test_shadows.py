@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -34,7 +35,7 @@ WALKER = {1.3: 0.316, 1.5: 0.242, 2.0: 0.129}
 """Fraction of the absorbed light that a solid of this index removes at normal incidence."""
 
 
-def level(name: str, height: float, half: float, material: Material, **more: bool) -> Object:
+def level(name: str, height: float, half: float, material: Material, **more: Any) -> Object:
     return Object(name, quad((0, height, 0), (half, 0, 0), (0, 0, -half)), material, **more)
 
 

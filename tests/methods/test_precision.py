@@ -7,11 +7,14 @@ import pytest
 
 from oitbench.gl.device import Device
 from oitbench.measure.oracle import composite
+from oitbench.modeling.mesh import quad
+from oitbench.scene import Camera, EnvironmentLight, Material, Object, Scene
 from tests.helpers import (
     BACKGROUND,
     NOTHING,
     WHITE,
     Layer,
+    collection,
     random_lists,
     render,
     scene_of,
@@ -100,3 +103,27 @@ def test_peeling_in_floats_is_exact(device: Device) -> None:
     lists = random_lists(12, tinted=True)
     found = render(device, lists, "depth_peeling[precision=float]")
     assert abs(found - composite(lists, BACKGROUND)).max() < 1e-6
+
+
+@pytest.mark.parametrize("radiance", [6e4, 7e4, 1e6, 1.6e9])
+@pytest.mark.parametrize("lamp", ["surface", "background", "environment"])
+def test_the_truth_clips_no_radiance(device: Device, radiance: float, lamp: str) -> None:
+    light = (radiance, radiance / 2, radiance / 4)
+    pane = Object("pane", quad((0, 0, -2), (9, 0, 0), (0, 9, 0)), Material(coverage=0.5))
+    wall = Object("lamp", quad((0, 0, -4), (9, 0, 0), (0, 9, 0)), Material(emission=light))
+    scene = Scene(
+        "lamp",
+        Camera((0, 0, 0), (0, 0, -1)),
+        (pane, wall) if lamp == "surface" else (pane,),
+        background=light if lamp == "background" else NOTHING,
+        lights=(EnvironmentLight(light),) if lamp == "environment" else (),
+    )
+    expected = np.broadcast_to(np.multiply(light, 0.5), (8, 8, 3))
+    image = render(device, scene, collection().truth(), size=(8, 8))
+    np.testing.assert_allclose(image, expected, rtol=1e-5)
+    # A half-float frame shows its own clipping, and never agrees with a clipped truth.
+    half = render(device, scene, "sorted_over", size=(8, 8))
+    if radiance > 65504:
+        assert not np.allclose(half[..., 0], expected[..., 0], rtol=0.05)
+    else:
+        np.testing.assert_allclose(half, expected, rtol=2e-3)

@@ -174,13 +174,13 @@ def _hits(view: View, z: float) -> npt.NDArray[np.float64]:
 def test_rays_hit_the_pixels_that_a_rasterizer_would_cover() -> None:
     camera = Camera((0.0, 0.0, 2.0), fov_y=2 * math.atan(0.5))
     # On the plane z = 0 the image is 4 m wide and 2 m high: a pixel of 16 × 8 is 0.25 m.
-    corner = np.array([(-2, 1, 0), (-1.5, 1, 0), (-1.5, 0.25, 0), (-2, 0.25, 0)], dtype=np.float32)
+    corner = np.array([(-2, 1, 0), (-1.5, 1, 0), (-1.5, 0.25, 0), (-2, 0.25, 0)])
     mesh = dataclasses.replace(_quad(), positions=corner)
     scene = Scene("corner", camera, (Object("q", mesh, Material(emission=(1.0, 1.0, 1.0))),))
     expected = np.zeros((8, 16))
     expected[:3, :2] = 1
     np.testing.assert_array_equal(render(scene, (16, 8), ssaa=2).mean[..., 0], expected)
-    shifted = dataclasses.replace(mesh, positions=corner + np.array([0.1, 0, 0], dtype=np.float32))
+    shifted = dataclasses.replace(mesh, positions=corner + np.array([0.1, 0, 0]))
     scene = dataclasses.replace(scene, objects=(Object("q", shifted, scene.objects[0].material),))
     # The film starts beyond the first column's left sub-pixels and ends beyond the third's.
     row = render(scene, (16, 8), ssaa=2).mean[0, :4, 0]
@@ -198,15 +198,15 @@ def test_films_in_front_of_the_near_and_beyond_the_far_plane_are_not_drawn() -> 
 def test_textures_use_the_shared_filter(shape: tuple[int, int]) -> None:
     random = np.random.default_rng(8)
     emission = Texture(random.random((*shape, 3)).astype(np.float32))
-    material = Material(Texture(random.random(shape).astype(np.float32)), (0.1, 0.5, 0.9), emission)
+    coverage = Texture(random.random(shape).astype(np.float32))
+    material = Material(coverage, (0.1, 0.5, 0.9), emission)
     camera = Camera((0.3, -0.2, 4.0), target=(0.1, 0.0, 0.0))
     tilt = 1.5
     scene = Scene(
         "floor", camera, (Object("q", _quad(tilt=tilt), material),), background=BACKGROUND
     )
     image = render(scene, (24, 16), ssaa=1).mean.reshape(-1, 3)
-    pyramid = premultiplied_pyramid(material)
-    assert pyramid is not None
+    pyramid = premultiplied_pyramid((emission, coverage))
     uv, lod = _footprints(View(camera, 24, 16), tilt, shape, len(pyramid))
     inside = ((uv > 0) & (uv < 1)).all(axis=1)
     assert inside.sum() > 150

@@ -26,7 +26,7 @@ LABEL = "window[seed=2]"
 
 
 def _scene(coverage: float | Texture = 0.5, exposure: float = 0.0) -> Scene:
-    corners = np.array([(-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)], dtype=np.float32)
+    corners = np.array([(-1.0, -1.0, 0.0), (1.0, -1.0, 0.0), (1.0, 1.0, 0.0), (-1.0, 1.0, 0.0)])
     mesh = Mesh(
         corners,
         np.array([(0, 1, 2), (0, 2, 3)], dtype=np.uint32),

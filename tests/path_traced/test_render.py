@@ -102,3 +102,16 @@ def test_radiance_that_is_not_finite_is_an_error() -> None:
     )
     with pytest.raises(SceneError, match="not finite"):
         render(Scene("bright", FRONT, films), (2, 2))
+
+
+@needs_mitsuba
+def test_surfaces_that_coincide_are_refused_by_name() -> None:
+    red = Material(0.5, emission=(1.0, 0.0, 0.0))
+    other = quad((0.5, 0.2, 0), (2, 1, 0), (-1, 2, 0))
+    scene = _scene(PAPER)
+    decal = dataclasses.replace(scene, objects=(*scene.objects, Object("decal", other, red)))
+    with pytest.raises(CapabilityError, match="square and decal lie in one plane, so that a ray"):
+        render(decal, (4, 4))
+    beside = quad((9, 0, 0), (1, 0, 0), (0, 1, 0))
+    apart = dataclasses.replace(scene, objects=(*scene.objects, Object("beside", beside, red)))
+    assert np.isfinite(render(apart, (4, 4)).mean).all()

@@ -29,6 +29,7 @@ BLACK, HALF = (0.0, 0.0, 0.0), (0.5, 0.5, 0.5)
 SHEET = quad((0, 0, -2), (1, 0, 0), (0, 1, 0))
 PLAIN = Object("plain", SHEET, Material())
 CAMERA = Camera(position=(0, 0, 0), target=(0, 0, -1))
+FLAT = Camera(position=(0, 0, 0), target=(0, 0, -1), far=0.4)
 
 
 def texture(*shape: int, value: float = 0.5) -> Texture:
@@ -80,7 +81,11 @@ WRONG: list[tuple[Callable[[], object], str]] = [
     (lambda: mesh(triangles=[(0, 1, -1)]), "mesh: a triangle uses vertex"),
     (lambda: mesh(uvs=np.zeros((4, 3))), r"mesh: uvs must be \(4, 2\)"),
     (lambda: mesh(radiance=np.zeros((3, 3))), r"mesh: radiance must be \(4, 3\)"),
-    (lambda: mesh(normals=np.full((4, 3), NAN)), "mesh: normals"),
+    (lambda: mesh(radiance=np.full((4, 3), -0.1)), "mesh: radiance is negative"),
+    (lambda: mesh(normals=np.full((4, 3), NAN)), "mesh: normals holds NaN"),
+    (lambda: mesh(normals=np.zeros((4, 3))), "mesh: normals must have length one"),
+    (lambda: mesh(normals=np.full((4, 3), 1.0)), "mesh: normals must have length one"),
+    (lambda: DirectionalLight((0, -1, 0), (1e39, 1, 1)), "light: irradiance holds a number beyond"),
     (
         lambda: Object("board", mesh(), Material(coverage=texture(4, 4))),
         "object board: its material has a texture but its mesh has no uvs",
@@ -88,17 +93,25 @@ WRONG: list[tuple[Callable[[], object], str]] = [
     (lambda: lists(z=np.zeros((4, 4), np.float32)), "fragment lists: z"),
     (lambda: lists(coverage=np.zeros((2, 4, 3), np.float32)), "fragment lists: coverage"),
     (lambda: lists(transmission=np.zeros((2, 4, 4), np.float32)), "fragment lists: transmission"),
-    (lambda: lists(radiance=np.full((2, 4, 4, 3), INFINITY)), "fragment lists: radiance"),
+    (lambda: lists(radiance=np.full((2, 4, 4, 3), INFINITY)), "fragment lists: radiance holds"),
+    (lambda: lists(radiance=np.full((2, 4, 4, 3), -0.5)), "fragment lists: radiance is negative"),
+    (lambda: lists(coverage=np.full((2, 4, 4), 1.5)), "fragment lists: coverage must lie"),
+    (lambda: lists(coverage=np.full((2, 4, 4), NAN)), "fragment lists: coverage must lie"),
+    (lambda: lists(transmission=np.full((2, 4, 4, 3), -0.1)), "fragment lists: transmission must"),
     (lambda: Camera((0, 0, 1), (0, 0, 1)), "camera: position and target coincide"),
-    (lambda: Camera((0, 5, 0), (0, 0, 0)), "camera: up is parallel"),
+    (lambda: Camera((0, 5, 0), up=BLACK), "camera: up has no length"),
     (lambda: Camera((0, NAN, 1)), "camera: position"),
     (lambda: Camera((0, 0, 1), fov_y=4.0), "camera: fov_y"),
     (lambda: Camera((0, 0, 1), near=2.0, far=1.0), "camera: near"),
     (lambda: DirectionalLight(BLACK), "light: its direction has no length"),
+    (lambda: DirectionalLight((0, -1, 0), (1, -1, 1)), "light: irradiance is negative"),
     (lambda: SpotLight((0, 1, 0), (0, 1, 0)), "light: position and target coincide"),
-    (lambda: SpotLight((0, 1, 0), BLACK, intensity=(1, NAN, 1)), "light: intensity"),
+    (lambda: SpotLight((0, 1, 0), BLACK, intensity=(1, NAN, 1)), "light: intensity holds NaN"),
+    (lambda: SpotLight((0, 1, 0), BLACK, intensity=(-1, 1, 1)), "light: intensity is negative"),
     (lambda: SpotLight((0, 1, 0), BLACK, angle=4.0), "light: angle"),
-    (lambda: EnvironmentLight((1.0, NAN, 1.0)), "light: radiance"),
+    (lambda: EnvironmentLight((1.0, NAN, 1.0)), "light: radiance holds NaN"),
+    (lambda: EnvironmentLight((1.0, -1.0, 1.0)), "light: radiance is negative"),
+    (lambda: EnvironmentLight(texture(2, 4, 3, value=-0.5)), "light: radiance is negative"),
     (lambda: fog(extinction=-1.0), "medium: extinction"),
     (lambda: fog(albedo=(1.5, 0.5, 0.5)), "medium: albedo"),
     (lambda: fog(anisotropy=1.0), "medium: anisotropy"),
@@ -110,8 +123,12 @@ WRONG: list[tuple[Callable[[], object], str]] = [
     (lambda: scene(objects=(PLAIN, PLAIN)), r"scene wrong: two objects are named \['plain'\]"),
     (lambda: scene(lights=(EnvironmentLight(),) * 2), "scene wrong: it has 2 environment lights"),
     (lambda: scene(lights=(EnvironmentLight(),), background=HALF), "scene wrong: its environment"),
-    (lambda: scene(background=(0.0, 0.0, NAN)), "scene wrong: background"),
-    (lambda: scene(exposure=INFINITY), "scene wrong: exposure"),
+    (lambda: scene(background=(0.0, 0.0, NAN)), "scene wrong: background holds NaN"),
+    (lambda: scene(background=(0.0, 0.0, -1.0)), "scene wrong: background is negative"),
+    (lambda: scene(exposure=INFINITY), "scene wrong: exposure is inf stops"),
+    (lambda: scene(exposure=NAN), "scene wrong: exposure is nan stops"),
+    (lambda: scene(objects=(), lists=lists(z=np.full((2, 4, 4), 0.1))), "scene wrong: z of its"),
+    (lambda: scene(objects=(), lists=lists(), camera=FLAT), "scene wrong: z of its fragment lists"),
     (lambda: scene(ambient_occlusion=-1.0), "scene wrong: ambient_occlusion is -1"),
 ]
 

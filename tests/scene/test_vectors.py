@@ -26,6 +26,37 @@ def test_a_camera_looks_along_minus_z_with_y_up() -> None:
     np.testing.assert_allclose(camera.view_distance([(0, 0, 3), (5, 5, -7)]), [0, 10])
 
 
+@pytest.mark.parametrize(
+    ("view", "up", "expected"),
+    [
+        ((0, -1, 0), (0, 1, 0), (0, 0, -1)),
+        ((0, 1, 0), (0, 1, 0), (0, 0, 1)),
+        ((0, 0, -1), (0, 0, 1), (0, 1, 0)),
+        ((0, 0, 1), (0, 0, 1), (0, -1, 0)),
+        ((-2, 0, 0), (7, 0, 0), (0, 0, -1)),
+        ((0, -5, 0), (1e-12, 5, 0), (0, 0, -1)),
+    ],
+)
+def test_a_camera_that_looks_along_up_has_turned_there_from_the_horizon(
+    view: Vector, up: Vector, expected: Vector
+) -> None:
+    axes = Camera((1, 2, 3), as_vector(np.add((1, 2, 3), view)), up).axes
+    np.testing.assert_allclose(axes[1], expected, atol=1e-12)
+    np.testing.assert_allclose(axes @ axes.T, np.eye(3), atol=1e-12)
+    # A camera that has turned almost as far has nearly the same axes.
+    horizon = -np.sign(np.dot(view, up)) * np.asarray(expected)
+    nearly = as_vector(np.add((1, 2, 3), view) + 1e-6 * horizon)
+    np.testing.assert_allclose(Camera((1, 2, 3), nearly, up).axes, axes, atol=1e-5)
+
+
+@pytest.mark.parametrize("length", [1e-200, 1e200])
+def test_directions_of_any_length_have_axes(length: float) -> None:
+    expected = axes_along((1, 2, -2), (0, 1, 0))
+    back, up = np.multiply((1, 2, -2), length), (0.0, length, 0.0)
+    np.testing.assert_allclose(axes_along(back, up), expected, atol=1e-12)
+    np.testing.assert_allclose(unit(back), expected[2], atol=1e-12)
+
+
 def test_tuples_and_unit_vectors() -> None:
     assert as_vector(np.array([1, 2.5, -3], np.float32)) == (1.0, 2.5, -3.0)
     assert opposite((1, -2, 3)) == (-1, 2, -3)

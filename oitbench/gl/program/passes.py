@@ -15,6 +15,7 @@ from oitbench.gl.capabilities import FETCH, SPIN_LOCK
 from oitbench.gl.device import Device
 from oitbench.gl.geometry import VERTEX, VERTEX_FORMAT, Geometry
 from oitbench.gl.ownership import Owner
+from oitbench.gl.planes import PLANE_FORMAT, PLANE_NAME
 from oitbench.gl.program import accessors, prelude
 from oitbench.gl.program.bindings import VIEW_BINDING, Bindings
 from oitbench.gl.program.shading_inputs import UNLIT, Sampled, ShadingInputs
@@ -28,6 +29,10 @@ from oitbench.method.storage import Buffer, Target
 DEPTH_COPY, DEPTH_AT_CENTERS = "opaque_depth_copy", "opaque_depth_at_centers"
 """Textures that stand in for the opaque depth: for passes that read and test it, and for passes
 that rasterize pixel centers in a multisampled frame."""
+
+
+LIGHT_VIEW = "LIGHT_VIEW"
+"""Macro of passes that a light sees, not the camera."""
 
 
 @dataclass(frozen=True)
@@ -92,7 +97,7 @@ class CompiledPass(Owner):
         framebuffer: moderngl.Framebuffer,
         samplers: Mapping[str, Sampled],
         images: Sequence[moderngl.Texture],
-        vertices: moderngl.Buffer,
+        geometry: Geometry,
         depth_writes: bool,
         blocks: Mapping[int, moderngl.Buffer],
         subsample: int,
@@ -101,7 +106,7 @@ class CompiledPass(Owner):
         self.step, self.draws, self.subsample = step, draws, subsample
         self.framebuffer = self.own(framebuffer)
         self.clears: list[tuple[moderngl.Framebuffer, Format, tuple[float, ...]]] = []
-        self._device, self._program, self._vertices = device, program, vertices
+        self._device, self._program, self._geometry = device, program, geometry
         self._samplers, self._images, self._blocks = samplers, images, blocks
         self._depth_writes = depth_writes
         self._arrays: dict[int, moderngl.VertexArray] = {}
@@ -117,7 +122,8 @@ class CompiledPass(Owner):
         # llvmpipe drops the side effects of primitives that a later one covers.
         depth = geometry or self.step.depth is not None
         context.enable_only(moderngl.BLEND | (moderngl.DEPTH_TEST if depth else 0))
-        context.depth_func = "<" if geometry else "1"
+        tests = geometry and not _tests_in_shader(self._geometry, self.step)
+        context.depth_func = ">" if tests else "1"
         for slot, blend in enumerate(self.step.writes.values()):
             device.set_blend(slot, blend)
         for unit, texture in enumerate(self._samplers.values()):
@@ -134,9 +140,13 @@ class CompiledPass(Owner):
         """Draw `count` triangles of `indices`, starting at triangle `first`."""
         array = self._arrays.get(indices.glo)
         if array is None:
+            geometry = self._geometry
+            content = [(geometry.vertices, VERTEX_FORMAT, *(VERTEX.names or ()))]
+            if geometry.planes is not None:
+                content.append((geometry.planes, PLANE_FORMAT, PLANE_NAME))
             array = self._device.context.vertex_array(
                 self._program,
-                [(self._vertices, VERTEX_FORMAT, *(VERTEX.names or ()))],
+                content,
                 index_buffer=indices,
                 skip_errors=True,
             )
@@ -200,14 +210,14 @@ def compile_pass(
             f"{blueprint.owner}: {step.shader} writes {len(images or colors)} targets;"
             f" {device.renderer} allows {limit}"
         )
-    program = _program(device, vertex, fragment)
     samplers = _samplers(blueprint, geometry, step, textures)
+    program = _program(device, vertex, fragment, f"{blueprint.owner}: {step.shader}", samplers)
     used = {name: item for name, item in samplers.items() if name in program}
     for unit, name in enumerate(used):
         # Frames share a program, but its samplers always come in this order.
         program[name] = unit
     try:
-        framebuffer = device.context.framebuffer(colors, _depth(blueprint, step, textures))
+        framebuffer = device.framebuffer(colors, _depth(blueprint, step, textures))
     except moderngl.Error as error:
         formats = ", ".join(blueprint.targets[name].format for name in step.writes)
         raise CapabilityError(
@@ -215,7 +225,7 @@ def compile_pass(
         ) from error
     writes_depth = step.depth is not None and (isinstance(step, Resolve) or step.depth_writes)
     compiled = CompiledPass(
-        device, step, draws, program, framebuffer, used, images, geometry.vertices, writes_depth,
+        device, step, draws, program, framebuffer, used, images, geometry, writes_depth,
         blueprint.shading.blocks, subsample_of(step, blueprint.targets),
     )  # fmt: skip
     with compiled.building():
@@ -228,8 +238,8 @@ def compile_pass(
 def attach(device: Device, texture: moderngl.Texture, entry: Format) -> moderngl.Framebuffer:
     """Return a framebuffer with one texture, of color or of depth."""
     if entry.depth:
-        return device.context.framebuffer([], texture)
-    return device.context.framebuffer([texture])
+        return device.framebuffer([], texture)
+    return device.framebuffer([texture])
 
 
 def _depth(
@@ -247,6 +257,16 @@ def _depth(
     return textures[DEPTH_AT_CENTERS if centers else OPAQUE_DEPTH]
 
 
+def _tests_in_shader(geometry: Geometry, step: Pass) -> bool:
+    """Return whether a pass compares with the opaque depth in its shader.
+
+    Where surfaces coincide, the depth test of the driver does not know which side is seen. The
+    opaque depth is then attached and read at once, which is defined as long as nothing writes it.
+    """
+    drawn = isinstance(step, Gather) and step.depth is None and LIGHT_VIEW not in step.defines
+    return geometry.planes is not None and drawn
+
+
 def _samplers(
     blueprint: Blueprint, geometry: Geometry, step: Pass, textures: Mapping[str, moderngl.Texture]
 ) -> dict[str, Sampled]:
@@ -254,6 +274,8 @@ def _samplers(
     if isinstance(step, Gather):
         if OPAQUE_DEPTH in step.reads:
             samplers[f"{OPAQUE_DEPTH}_texture"] = textures[DEPTH_COPY]
+        if _tests_in_shader(geometry, step):
+            samplers["tested_depth"] = textures[OPAQUE_DEPTH]
         samplers.update(geometry.textures)
     samplers.update(blueprint.shading.samplers)
     return samplers
@@ -303,6 +325,8 @@ def _sources(blueprint: Blueprint, geometry: Geometry, step: Pass) -> tuple[Sour
         fragment.add_engine_file("shading.glsl")
         if shading.occluded:
             fragment.add_engine_file("inferred_occlusion.glsl")
+    if _tests_in_shader(geometry, step):
+        fragment.add_text("prelude (depth)", "#define TESTS_DEPTH 1")
     fragment.add_engine_file("fragment.glsl")
     _add_shader(fragment, blueprint, step)
     fragment.add_text("prelude (deliver)", prelude.deliver(step, mechanism))
@@ -334,13 +358,18 @@ def _add_shader(fragment: Source, blueprint: Blueprint, step: Pass) -> None:
             )
 
 
-def _program(device: Device, vertex: Source, fragment: Source) -> moderngl.Program:
+def _program(
+    device: Device, vertex: Source, fragment: Source, owner: str, samplers: Mapping[str, Sampled]
+) -> moderngl.Program:
     key = (vertex.text, fragment.text)
     program = device.programs.get(key)
     if program is None:
         try:
             program = device.context.program(vertex.text, fragment.text)
         except moderngl.Error as error:
+            # A driver that lacks units reports that in words of its own.
+            textures = [name for name in samplers if f" {name};" in fragment.text]
+            device.within(f"{owner} (textures)", len(textures), "GL_MAX_TEXTURE_IMAGE_UNITS")
             log = str(error)
             source = vertex if "vertex_shader" in log else fragment
             raise DeclarationError(source.explain(log)) from error

@@ -1,6 +1,6 @@
 // The environment where no surface is.
 void resolve() {
-    if (read_opaque_depth() < 1.0) {
+    if (read_opaque_depth() > 0.0) {
         discard;
     }
     color = vec4(environment_radiance(normalize(pixel_ray(gl_FragCoord.xy)), 0.0), 1.0);

@@ -1,6 +1,5 @@
 // Reads one fragment of a given list and passes it to the method.
 in vec3 v_radiance;
-in float v_z;
 flat in float v_layer;
 
 uniform sampler2DArray list_radiance;       // L, alpha
@@ -20,8 +19,8 @@ void main() {
     fragment.coverage = radiance.a;
     fragment.transmission = transmission.rgb;
     fragment.z = transmission.a;
-    // Written so that an infinite far plane gives 1 - near/z.
-    fragment.depth = (1.0 - near_plane / fragment.z) / (1.0 - near_plane / far_plane);
+    fragment.inverse_depth = inverse_depth_at(fragment.z);
+    fragment.depth = window_depth(fragment.inverse_depth);
     fragment.position = vec3(gl_FragCoord.xy, fragment.z);
     fragment.normal = vec3(0.0, 0.0, 1.0);
     fragment.incidence = 1.0;
@@ -29,7 +28,7 @@ void main() {
     fragment.entering = true;
     fragment.collimation = 1.0;
 #ifdef OWN_DEPTH
-    gl_FragDepth = fragment.depth;
+    gl_FragDepth = fragment.inverse_depth;
 #endif
     DELIVER(fragment)
 }

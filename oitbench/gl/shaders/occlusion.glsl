@@ -5,7 +5,6 @@
 // Bavoil et al. 2008). The sum over the planes is divided by its value without horizons, so that a
 // flat surface is exactly open, however few planes are used.
 
-const float RADIUS = 1e-6 * float(RADIUS_MICROMETERS);   // m
 const float QUARTER = 1.57079632679490;                  // of a turn, radians
 
 // Camera space, m.
@@ -49,7 +48,7 @@ float horizon(ivec2 pixel, vec3 here, Slice slice, vec2 direction, float reach, 
             break;
         }
         float depth = read_occluders(at);
-        if (depth < 1.0) {
+        if (depth > 0.0) {
             vec3 offset = place_of(at, depth) - here;
             float distance = length(offset);
             float weight = clamp(2.0 - 2.0 * distance / RADIUS, 0.0, 1.0);
@@ -70,7 +69,7 @@ float between(float h, float n) { return 0.25 * (cos(n) - cos(2.0 * h - n) + 2.0
 void resolve() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
     float depth = read_occluders();
-    if (depth >= 1.0) {
+    if (depth <= 0.0) {
         discard;
     }
     vec3 here = place_of(pixel, depth), view = normalize(-here);

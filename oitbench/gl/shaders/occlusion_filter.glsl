@@ -3,12 +3,11 @@
 
 // Difference in distance, as a fraction of the radius, at which a pixel no longer counts.
 const float SAME = 0.25;
-const float RADIUS = 1e-6 * float(RADIUS_MICROMETERS);   // m
 
 void resolve() {
     ivec2 pixel = ivec2(gl_FragCoord.xy), last = ivec2(frame_size) - 1;
     float depth = read_occluders();
-    if (depth >= 1.0) {
+    if (depth <= 0.0) {
         discard;
     }
     float z = view_distance(depth);

@@ -1,6 +1,6 @@
 // Reflection by Lambert's law and a microfacet lobe (GGX, height-correlated Smith), or evenly to all
 // sides; the same formulas are path traced (CONVENTIONS.md, "Reflection").
-uniform sampler2D surface_materials;   // two texels a material, see oitbench/gl/geometry.py
+uniform sampler2D surface_materials;   // two texels a material, see oitbench/gl/surface_textures.py
 
 struct Surface {
     vec3 albedo;
@@ -13,8 +13,9 @@ struct Surface {
 };
 
 Surface surface_at(int material) {
-    vec4 first = texelFetch(surface_materials, ivec2(0, material), 0);
-    vec4 second = texelFetch(surface_materials, ivec2(1, material), 0);
+    ivec2 at = ivec2(material % MATERIALS_ACROSS * 2, material / MATERIALS_ACROSS);
+    vec4 first = texelFetch(surface_materials, at, 0);
+    vec4 second = texelFetch(surface_materials, at + ivec2(1, 0), 0);
     int flags = int(second.w);
     bool isotropic = (flags & 1) != 0;
     return Surface(first.rgb, isotropic ? 0.0 : first.a, second.x, second.y, second.z, isotropic,

@@ -2,9 +2,12 @@
 // the light of one channel (McGuire & Mara 2017, equations 11 to 13).
 #include "random.glsl"
 
-// Cells per meter of the grid on which world positions are hashed: finer than a map's texel, and
-// independent of the camera.
-const float GRID = 16384.0;
+// Cells per meter of the grid on which world positions are hashed, independent of the camera. Below
+// the size of a texel they are noise; in maps of tiny scenes they are therefore smaller.
+float cells_per_meter() {
+    float texels = pixel_focal / (eye.w == 0.0 ? 1.0 : far_plane);
+    return max(16384.0, exp2(ceil(log2(texels))));
+}
 
 // Factor on the blocked light for the refraction of a solid: less in the middle, where the caustic
 // is, and more at the rim. s = 0 means no refraction, and avoids a power of zero.
@@ -36,15 +39,15 @@ void gather(Fragment fragment) {
     }
 #else
     // The same number for all channels: noise stays gray.
-    ivec3 cell = ivec3(floor(fragment.position * GRID));
+    ivec3 cell = ivec3(floor(fragment.position * cells_per_meter()));
     float number = unit_interval(hash(uvec3(cell)).x);
     if (all(lessThanEqual(part, vec3(number)))) {
         discard;
     }
-    map0 = part.r > number ? fragment.depth : 1.0;
+    map0 = part.r > number ? fragment.inverse_depth : 0.0;
 #ifndef GRAY
-    map1 = part.g > number ? fragment.depth : 1.0;
-    map2 = part.b > number ? fragment.depth : 1.0;
+    map1 = part.g > number ? fragment.inverse_depth : 0.0;
+    map2 = part.b > number ? fragment.inverse_depth : 0.0;
 #endif
 #endif
 }

@@ -4,8 +4,8 @@
 // Distance along the axis that a map's depth encodes, m.
 float map_distance(int i, float depth) {
     float near = beams[i].range.x, far = beams[i].range.y;
-    return beams[i].place.w == 0.0 ? near + depth * (far - near)
-                                   : near * far / (far - depth * (far - near));
+    return beams[i].place.w == 0.0 ? far - depth * (far - near)
+                                   : near / mix(depth, 1.0, near / far);
 }
 
 struct MapPlace {
@@ -38,7 +38,7 @@ float opaque_visibility(sampler2D map, int i, MapPlace place) {
     for (int k = 0; k < 4; ++k) {
         ivec2 at = clamp(corner + ivec2(k & 1, k >> 1), ivec2(0), size - 1);
         float depth = texelFetch(map, at, 0).r;
-        lit[k] = depth >= 1.0 || place.distance <= map_distance(i, depth) ? 1.0 : 0.0;
+        lit[k] = depth <= 0.0 || place.distance <= map_distance(i, depth) ? 1.0 : 0.0;
     }
     vec2 part = texel - vec2(corner);
     return mix(mix(lit.x, lit.y, part.x), mix(lit.z, lit.w, part.x), part.y);

@@ -1,8 +1,7 @@
 // Shades one fragment of a mesh and passes it to the method.
 in vec2 v_uv;
 in vec3 v_radiance;
-in float v_z;
-in vec3 v_position;
+in vec3 v_position;   // relative to the camera, m
 flat in vec3 v_transmission;
 flat in float v_coverage;
 flat in float v_layer;
@@ -10,21 +9,17 @@ in vec3 v_normal;
 flat in float v_material;
 
 #ifdef TEXTURED
-uniform sampler2DArray surface_textures;   // premultiplied (emission * coverage, coverage)
+#include "textures.glsl"
+#endif
 
-// Trilinear lookup in two exact levels: drivers may round their level of detail, and the path tracer
-// must filter the same texels.
-vec4 filtered_texel(vec2 uv, float layer) {
-    vec2 size = vec2(textureSize(surface_textures, 0).xy);
-    vec2 dx = dFdx(uv) * size;
-    vec2 dy = dFdy(uv) * size;
-    float levels = float(textureQueryLevels(surface_textures));
-    float lod = clamp(0.5 * log2(max(max(dot(dx, dx), dot(dy, dy)), 1e-20)), 0.0, levels - 1.0);
-    float level = floor(lod);
-    vec4 fine = textureLod(surface_textures, vec3(uv, layer), level);
-    vec4 coarse = textureLod(surface_textures, vec3(uv, layer), min(level + 1.0, levels - 1.0));
-    return mix(fine, coarse, lod - level);
-}
+#ifdef LIGHT_VIEW
+#undef PLANES
+#endif
+#ifdef PLANES
+#include "planes.glsl"
+#endif
+#ifdef TESTS_DEPTH
+uniform sampler2D tested_depth;
 #endif
 
 #ifdef INTERIOR
@@ -63,14 +58,22 @@ void main() {
     fragment.radiance = v_radiance * radiance_gain;
     fragment.coverage = v_coverage;
     fragment.transmission = v_transmission;
-    fragment.z = v_z;
-    fragment.depth = gl_FragCoord.z;
-    fragment.position = v_position;
+#ifdef PLANES
+    fragment.inverse_depth = inverse_depth_of_plane();
+#else
+    fragment.inverse_depth = gl_FragCoord.z;
+#endif
+    fragment.z = view_distance(fragment.inverse_depth);
+    fragment.depth = window_depth(fragment.inverse_depth);
+    fragment.position = v_position + origin.xyz;
     fragment.normal = vec3(0.0);
     fragment.incidence = 1.0;
     fragment.index = 1.0;
     fragment.entering = gl_FrontFacing;
     fragment.collimation = 1.0;
+#if defined(PLANES) && defined(OWN_DEPTH)
+    gl_FragDepth = fragment.inverse_depth;
+#endif
     // Outside any branch, and before any discard: derivatives need the whole quad.
 #ifdef DETAILED
     vec3 toward = normalize(eye.xyz - eye.w * v_position);
@@ -78,7 +81,7 @@ void main() {
 #endif
     vec2 gradient = vec2(0.0);   // of the coverage, a pixel
 #ifdef TEXTURED
-    vec4 texel = filtered_texel(v_uv, max(v_layer, 0.0));
+    vec4 texel = filtered_texel(v_uv, int(max(v_layer, 0.0)));
     vec2 slope = vec2(dFdx(texel.a), dFdy(texel.a));
     if (v_layer >= 0.0) {
         gradient = v_coverage * slope;
@@ -87,6 +90,11 @@ void main() {
         }
         fragment.radiance *= texel.rgb / texel.a;
         fragment.coverage *= texel.a;
+    }
+#endif
+#ifdef TESTS_DEPTH
+    if (!before_opaque(fragment, texelFetch(tested_depth, ivec2(gl_FragCoord.xy), 0).r)) {
+        discard;
     }
 #endif
 #ifdef INTERIOR

@@ -1,5 +1,5 @@
 // One vertex shader for every pass that rasterizes geometry, so that depths agree bit for bit.
-in vec3 in_position;
+in vec3 in_position;   // relative to the camera, m
 in vec2 in_uv;
 in vec3 in_radiance;
 in vec3 in_transmission;
@@ -8,9 +8,13 @@ in float in_layer;
 in vec3 in_normal;
 in float in_material;
 
+#ifdef PLANES
+in vec3 in_plane;
+flat out vec3 v_plane;
+#endif
+
 out vec2 v_uv;
 out vec3 v_radiance;
-out float v_z;
 out vec3 v_position;
 flat out vec3 v_transmission;
 flat out float v_coverage;
@@ -22,11 +26,12 @@ invariant gl_Position;
 void main() {
 #ifdef LISTS
     // A list's layer covers the frame; its depths come from a texture.
-    gl_Position = vec4(in_position, 1.0);
-    v_z = 0.0;
+    gl_Position = vec4(in_position.xy, 1.0, 1.0);
 #else
-    gl_Position = world_to_clip * vec4(in_position, 1.0);
-    v_z = -(world_to_camera * vec4(in_position, 1.0)).z;
+    gl_Position = vertex_to_clip * vec4(in_position, 1.0);
+#endif
+#ifdef PLANES
+    v_plane = in_plane;
 #endif
     v_position = in_position;
     v_uv = in_uv;

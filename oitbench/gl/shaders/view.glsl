@@ -1,7 +1,7 @@
 // The frame's projection and size, in every shader; filled by oitbench/gl/view.py.
 layout(std140, binding = 0) uniform View {
-    mat4 world_to_clip;
-    mat4 world_to_camera;
+    mat4 vertex_to_clip;   // of positions relative to the camera
+    mat4 world_to_camera;  // of `fragment.position`
     float near_plane;      // m
     float far_plane;       // m, may be infinite
     float pixel_focal;     // focal length in pixels
@@ -9,12 +9,25 @@ layout(std140, binding = 0) uniform View {
     uvec2 frame_size;      // pixels
     uvec2 frame_tiles;     // tiles of TILE x TILE pixels
     uint iteration;        // round of the loop around the pass, from 0
-    vec4 eye;              // position and 1, or the direction to the viewer and 0
+    vec4 eye;              // relative position and 1, or the direction to the viewer and 0
+    vec4 origin;           // position of the camera in the world, less whole kilometers, m
 };
 
-// Linear view distance of a window depth, m; very large for an empty pixel before an infinite plane.
-float view_distance(float depth) {
-    return near_plane / max(1.0 - depth * (1.0 - near_plane / far_plane), 1e-9);
+// Depth is stored as 1 - d, which is near/z before an infinite far plane and 0 where nothing is: as a
+// float it is precise at every distance, which d itself is not.
+
+// Window depth d in [0, 1] of a stored depth.
+float window_depth(float inverse_depth) { return 1.0 - inverse_depth; }
+
+// Stored depth of a linear view distance, m.
+float inverse_depth_at(float z) {
+    return (near_plane / z - near_plane / far_plane) / (1.0 - near_plane / far_plane);
+}
+
+// Linear view distance of a stored depth, m; very large for an empty pixel before an infinite plane.
+float view_distance(float inverse_depth) {
+    float ratio = near_plane / far_plane;
+    return near_plane / max(mix(inverse_depth, 1.0, ratio), 1e-30 * near_plane);
 }
 
 // Direction from the eye through the pixel, in world space, to advance one meter of view distance.

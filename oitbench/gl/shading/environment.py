@@ -12,8 +12,16 @@ from oitbench.scene import Floats
 
 
 def upload_environment(device: Device, texels: Floats) -> moderngl.Texture:
-    """Return the map of latitude and longitude as a texture with mip levels."""
+    """Return the map of latitude and longitude as a texture with mip levels.
+
+    Raises
+    ------
+    CapabilityError
+        The map is larger than the driver allows.
+    """
     height, width = texels.shape[:2]
+    owner = f"an environment of {width}x{height} texels"
+    device.within(owner, max(width, height), "GL_MAX_TEXTURE_SIZE")
     data = np.ones((height, width, 4), dtype=np.float32)
     data[..., :3] = texels[::-1]
     texture = device.context.texture((width, height), 4, data.tobytes(), dtype="f4")
@@ -41,8 +49,8 @@ def irradiance_harmonics(texels: Floats) -> Floats:
     Ramamoorthi & Hanrahan 2001, "An efficient representation for irradiance environment maps".
     """
     # Cut the texels of a small map into patches over which the functions are almost constant.
-    cuts = max(1, math.ceil(256 / len(texels)))
-    texels = texels.repeat(cuts, axis=0).repeat(cuts, axis=1)
+    for axis, patches in enumerate((256, 512)):
+        texels = texels.repeat(math.ceil(patches / texels.shape[axis]), axis=axis)
     height, width = texels.shape[:2]
     edges = np.linspace(0, math.pi, height + 1)
     polar = (edges[:-1] + edges[1:]) / 2

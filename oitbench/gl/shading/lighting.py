@@ -20,10 +20,12 @@ from oitbench.gl.shading.environment import (
 from oitbench.gl.shading.medium import UploadedMedium
 from oitbench.gl.shading.shadows import ShadowMaps
 from oitbench.gl.view import Projection, light_projection
-from oitbench.scene import PENUMBRA, DirectionalLight, Floats, SpotLight
+from oitbench.scene import PENUMBRA, DirectionalLight, Floats, SpotLight, unit
+from oitbench.scene.checks import single_precision
 
 MAP_SIDE = 1024
 """Texels along each side of a light's depth maps; variance maps have a quarter."""
+_BEAM_BYTES, _HARMONICS_BYTES = 144, 144
 _CASTING = Effect.SHADOWS | Effect.TRANSLUCENT_SHADOWS
 _NO_PROJECTION = Projection(np.eye(4), np.eye(4), 1.0, 2.0, 1.0, np.zeros(4))
 
@@ -47,6 +49,11 @@ class Lighting(Owner):
     medium : UploadedMedium
     maps : list of ShadowMaps or None
         One entry per beam; None for a beam without casters.
+
+    Raises
+    ------
+    CapabilityError
+        There are more lights, or larger maps, than the driver allows.
     """
 
     def __init__(
@@ -56,6 +63,9 @@ class Lighting(Owner):
         scene = geometry.scene
         self._beams = scene.beams
         self._drawn = False
+        owner = f"a scene of {len(self._beams)} directional and spot lights"
+        size = (len(self._beams) + 1) * _BEAM_BYTES + _HARMONICS_BYTES
+        device.within(owner, size, "GL_MAX_UNIFORM_BLOCK_SIZE")
         casters = tuple(item for item in scene.objects if item.casts)
         self._projections = [
             light_projection(light, casters, scene.objects) if effects & _CASTING else None
@@ -72,8 +82,8 @@ class Lighting(Owner):
             ]
             if scene.environment is not None:
                 texels = scene.environment.texels
-                harmonics = irradiance_harmonics(texels)
                 self._environment = self.own(upload_environment(device, texels))
+                harmonics = irradiance_harmonics(texels)
             self.medium = self.own(UploadedMedium(device, scene.medium))
             self.block = self.own(device.context.buffer(self._bytes(harmonics, map_side)))
 
@@ -86,7 +96,8 @@ class Lighting(Owner):
             )
         parts.append(np.zeros(36))
         padded = np.concatenate([harmonics, np.zeros((9, 1))], axis=1)
-        return np.concatenate([*parts, padded.ravel()]).astype(np.float32).tobytes()
+        numbers = np.concatenate([*parts, padded.ravel()])
+        return single_precision("the lights of the scene", numbers).tobytes()
 
     def inputs(self, effects: Effect) -> ShadingInputs:
         """Return the inputs of shaders under all running `effects`."""
@@ -157,13 +168,12 @@ def _beam(light: DirectionalLight | SpotLight, seen: Projection, map_side: int) 
     """Return place, axis, color, distance and range of one beam, four numbers each."""
     texel = 2 / (seen.focal * map_side)
     if isinstance(light, DirectionalLight):
-        direction = -np.asarray(light.direction, dtype=np.float64)
-        place = np.array([*direction / np.linalg.norm(direction), 0.0])
+        place = np.array([*-unit(np.asarray(light.direction, dtype=np.float64)), 0.0])
         axis, color = np.zeros(4), light.irradiance
     else:
-        ahead = np.subtract(light.target, light.position).astype(np.float64)
+        ahead = unit(np.subtract(light.target, light.position, dtype=np.float64))
         place = np.array([*light.position, 1.0])
-        axis = np.array([*ahead / np.linalg.norm(ahead), light.angle / 2])
+        axis = np.array([*ahead, light.angle / 2])
         color = light.intensity
     bounds = np.array([seen.near, seen.far, PENUMBRA, 0.0])
     return [place, axis, np.array([*color, texel]), seen.distance_row, bounds]

@@ -8,6 +8,7 @@ import numpy as np
 from oitbench.gl.device import Device
 from oitbench.gl.ownership import Owner
 from oitbench.scene import Array, Medium
+from oitbench.scene.checks import single_precision
 
 _VACUUM = Medium(extinction=0.0, low=(0.0, 0.0, 0.0), high=(1.0, 1.0, 1.0))
 
@@ -26,6 +27,11 @@ class UploadedMedium(Owner):
     block : moderngl.Buffer
     density : moderngl.Texture3D or None
         None where the density is one everywhere.
+
+    Raises
+    ------
+    CapabilityError
+        The grid is larger than the driver allows.
     """
 
     def __init__(self, device: Device, medium: Medium | None) -> None:
@@ -38,7 +44,8 @@ class UploadedMedium(Owner):
         ]
         self.density: moderngl.Texture3D | None = None
         with self.building():
-            self.block = self.own(device.context.buffer(np.array(rows, dtype=np.float32).tobytes()))
+            block = single_precision("the medium of the scene", rows).tobytes()
+            self.block = self.own(device.context.buffer(block))
             if medium.density is not None:
                 self.density = self.own(_upload_density(device, medium.density))
 
@@ -51,6 +58,8 @@ class UploadedMedium(Owner):
 def _upload_density(device: Device, density: Array) -> moderngl.Texture3D:
     cells = np.ascontiguousarray(density, dtype=np.float32)
     depth, height, width = cells.shape
+    owner = f"a medium of {width}x{height}x{depth} cells"
+    device.within(owner, max(cells.shape), "GL_MAX_3D_TEXTURE_SIZE")
     texture = device.context.texture3d((width, height, depth), 1, cells, dtype="f4")
     texture.filter = (moderngl.LINEAR, moderngl.LINEAR)
     texture.repeat_x = texture.repeat_y = texture.repeat_z = False

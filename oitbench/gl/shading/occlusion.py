@@ -6,6 +6,8 @@ pixel completely; openness from that depth; a filter over the estimator's patter
 
 from __future__ import annotations
 
+import numpy as np
+
 from oitbench.effects import Effect
 from oitbench.gl.device import Device
 from oitbench.gl.draws.chain import Chain, Measurement
@@ -13,7 +15,6 @@ from oitbench.gl.draws.records import Lap, no_lap
 from oitbench.gl.geometry import Geometry
 from oitbench.gl.ownership import Owner
 from oitbench.gl.program.passes import Blueprint
-from oitbench.gl.view import view_block
 from oitbench.method.blending import REPLACE
 from oitbench.method.passes import Gather, Resolve
 from oitbench.method.storage import Target
@@ -26,7 +27,7 @@ _AROUND = 9
 _PATTERN = 25
 """Pixels that the filter averages."""
 _TARGETS = {
-    "occluders": Target("depth32f", clear=(1.0,)),
+    "occluders": Target("depth32f"),
     "raw": Target("r8", clear=(1.0,)),
     "openness": Target("r8", clear=(1.0,)),
 }
@@ -62,8 +63,7 @@ class Occlusion(Owner):
         super().__init__()
         sizes = dict.fromkeys(_TARGETS, size)
         with self.building():
-            block = view_block(geometry.scene.camera, size, False)
-            view = self.own(device.context.buffer(block))
+            view = self.own(device.context.buffer(geometry.view(size)))
             self._chain = self.own(Chain(device, geometry, _TARGETS, sizes, view))
             self._compile(geometry)
         kept = ("occluders", "openness")
@@ -76,7 +76,7 @@ class Occlusion(Owner):
         interior = Gather("opaque_map.glsl", depth="occluders", defines={"INTERIOR": 1})
         self._chain.add(opaque, blueprint, "occluders", geometry.opaque)
         self._chain.add(interior, blueprint, "occluders", geometry.cutouts)
-        radius = {"RADIUS_MICROMETERS": _micrometers(geometry.scene.ambient_occlusion)}
+        radius = {"RADIUS": float(np.float32(geometry.scene.ambient_occlusion))}
         taps = _AROUND + 2 * PLANES * STEPS
         for shader, result, reads, defines in (
             ("occlusion.glsl", "raw", {"occluders": taps}, {"PLANES": PLANES, "STEPS": STEPS}),
@@ -110,8 +110,3 @@ class Occlusion(Owner):
     def memory(self) -> list[tuple[str, int]]:
         """Return (texture, bytes)."""
         return self._chain.memory()
-
-
-def _micrometers(radius: float) -> int:
-    """Return a radius in meters as a positive integer that GLSL can hold."""
-    return min(max(round(1e6 * radius), 1), 2**31 - 1)

@@ -14,12 +14,11 @@ from oitbench.gl.ownership import Owner
 from oitbench.gl.program.passes import Blueprint
 from oitbench.gl.program.shading_inputs import UNLIT, ShadingInputs
 from oitbench.gl.shading.occlusion import occludes
-from oitbench.gl.view import view_block
 from oitbench.method.blending import ADD, REPLACE
 from oitbench.method.passes import OPAQUE_DEPTH, Gather, Resolve
 from oitbench.method.storage import Target
 
-DEPTH = Target("depth32f", clear=(1.0,))
+DEPTH = Target("depth32f")
 _COLOR, _COUNTED = Target("rgba16f"), Target("r32f")
 _WRITES = {"color": REPLACE}
 _OPAQUE = Gather("opaque.glsl", writes=_WRITES, depth=OPAQUE_DEPTH, defines={"OPAQUE": 1})
@@ -114,7 +113,7 @@ def count_fragments(
     """
     targets = {"count": _COUNTED, OPAQUE_DEPTH: DEPTH}
     with Owner() as owner:
-        view = owner.own(device.context.buffer(view_block(geometry.scene.camera, size, False)))
+        view = owner.own(device.context.buffer(geometry.view(size)))
         color = owner.own(device.texture(size, _COLOR.texel))
         depth = owner.own(device.texture(size, DEPTH.texel))
         opaque = owner.own(

@@ -16,17 +16,18 @@ from oitbench.gl.draws.chain import Chain, Measurement
 from oitbench.gl.draws.records import Lap, no_lap
 from oitbench.gl.geometry import Geometry
 from oitbench.gl.ownership import Owner
-from oitbench.gl.program.passes import Blueprint
+from oitbench.gl.program.passes import LIGHT_VIEW, Blueprint
 from oitbench.gl.view import Projection
-from oitbench.method.blending import MINIMUM, REPLACE
+from oitbench.method.blending import MAXIMUM, REPLACE
 from oitbench.method.passes import Gather, Resolve
 from oitbench.method.storage import Target
 
 KEPT = 4
 """Downsampling factor of the filter per axis."""
-_DEPTH, _MAP = Target("depth32f", clear=(1.0,)), Target("r32f", clear=(1.0,))
+_DEPTH, _MAP = Target("depth32f"), Target("r32f")
 _MOMENTS = Target("rg32f")
 _SHADER, _TAPS = "shadow_map.glsl", 15
+_LIGHT_VIEW = {LIGHT_VIEW: 1}
 _DRAWN, _FILTERED = "shadow maps", "variance maps"
 
 
@@ -75,7 +76,8 @@ class ShadowMaps(Owner):
         kinds = {"opaque": _DEPTH, "map": _MAP}
         targets = {name: kinds.get(name.rstrip("012"), _MOMENTS) for name in sizes}
         with self.building():
-            view = self.own(device.context.buffer(projection.block((side, side))))
+            block = projection.block((side, side), origin=geometry.origin)
+            view = self.own(device.context.buffer(block))
             self._chain = self.own(Chain(device, geometry, targets, sizes, view))
             self._compile()
         self.textures = self._chain.textures
@@ -99,21 +101,25 @@ class ShadowMaps(Owner):
     def _compile(self) -> None:
         chain, blueprint, geometry = self._chain, self._blueprint, self._geometry
         if self.opaque:
-            opaque = Gather("opaque_map.glsl", depth="opaque", clears=("opaque",))
+            opaque = Gather(
+                "opaque_map.glsl", depth="opaque", clears=("opaque",), defines=_LIGHT_VIEW
+            )
             chain.add(opaque, blueprint, _DRAWN, geometry.opaque)
             if not self.channels:
                 # Without translucent shadows, surfaces that absorb half the light cast hard ones.
-                binary = Gather(_SHADER, depth="opaque", defines={"BINARY": 1, "GRAY": 1})
+                binary = Gather(
+                    _SHADER, depth="opaque", defines={"BINARY": 1, "GRAY": 1} | _LIGHT_VIEW
+                )
                 chain.add(binary, blueprint, _DRAWN, geometry.casting)
         if self.channels:
             maps = tuple(f"map{k}" for k in range(self.channels))
             draw = Gather(
                 _SHADER,
-                writes=dict.fromkeys(maps, MINIMUM),
+                writes=dict.fromkeys(maps, MAXIMUM),
                 depth="opaque" if self.opaque else None,
                 depth_writes=False,
                 clears=maps,
-                defines={"GRAY": 1} if self.channels == 1 else {},
+                defines=_LIGHT_VIEW | ({"GRAY": 1} if self.channels == 1 else {}),
             )
             chain.add(draw, blueprint, _DRAWN, geometry.casting)
         for channel in range(self.channels):

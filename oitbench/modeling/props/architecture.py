@@ -142,8 +142,9 @@ def _facets(rungs: Floats) -> Mesh:
     corners, normals = corners[area > 0], (normals / np.maximum(area, 1e-12)[:, None])[area > 0]
     starts = 4 * np.arange(len(corners))[:, None]
     triangles = np.concatenate([starts + np.array(half) for half in HALVES])
-    positions = corners.reshape(-1, 3).astype(np.float32)
-    first, second, third = positions[triangles].swapaxes(0, 1)
+    positions = corners.reshape(-1, 3)
+    # Roundings in double precision would hide an empty triangle.
+    first, second, third = positions.astype(np.float32)[triangles].swapaxes(0, 1)
     whole = np.cross(second - first, third - first).any(axis=1)
     return Mesh.from_arrays(
         positions,

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
@@ -96,7 +96,7 @@ def leaf_card() -> Mesh:
         normals = np.stack([np.full_like(x, -_FOLD * side), 2 * _BEND * y, np.ones_like(x)], axis=1)
         normals /= np.linalg.norm(normals, axis=1, keepdims=True)
         uvs = 0.5 + 0.5 * half.positions[:, :2]
-        halves.append(replace(half, positions=bent, normals=normals, uvs=uvs))
+        halves.append(Mesh.from_arrays(bent, half.triangles, normals=normals, uvs=uvs))
     return merge(halves)
 
 

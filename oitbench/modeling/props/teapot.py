@@ -121,7 +121,7 @@ def teapot(height: float, detail: float) -> Mesh:
     right, below = corner + cells + 1, corner + 1
     cell = np.stack([corner, right, right + 1, corner, right + 1, below], axis=1).reshape(-1, 3)
     starts = np.arange(len(control))[:, None, None] * (cells + 1) ** 2
-    vertices = (positions * (height / HEIGHT)).reshape(-1, 3).astype(np.float32)
+    vertices = (positions * (height / HEIGHT)).reshape(-1, 3)
     triangles = (cell + starts).reshape(-1, 3)
     return Mesh.from_arrays(
         vertices, triangles[~collapsed(vertices, triangles)], normals=normals.reshape(-1, 3)

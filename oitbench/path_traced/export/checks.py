@@ -5,19 +5,41 @@ from __future__ import annotations
 import numpy as np
 
 from oitbench.errors import CapabilityError
+from oitbench.path_traced.optics.materials import mean_chord
 from oitbench.scene import Scene
+
+_FLAT = 1e-9
+"""Mean chord, as a part of the largest extent, of a mesh that encloses nothing but roundings."""
 
 
 def require_traceable(scene: Scene) -> None:
     """Raise `CapabilityError` if `scene` cannot be path traced.
 
-    Fragment lists have no geometry. Of triangles that coincide exactly, a ray hits only one.
+    Fragment lists have no geometry. The absorption in a refracting solid follows from its volume.
+    Of triangles that coincide exactly, a ray hits only one, and surfaces in one plane in any order.
     """
     if scene.lists is not None:
         raise CapabilityError(
             f"scene {scene.name}: fragment lists have no geometry, so they cannot be path traced; "
             "give the scene meshes"
         )
+    for item in scene.transparent:
+        reach = float(np.ptp(item.mesh.used_positions, axis=0).max())
+        if item.material.refracts and mean_chord(item.mesh) <= _FLAT * reach:
+            raise CapabilityError(
+                f"scene {scene.name}: {item.name} is a refracting solid without volume, so it"
+                " cannot be path traced; close its mesh, or make it a thin sheet"
+            )
+    _require_distinct_triangles(scene)
+    if scene.coincidence is not None:
+        one, other = scene.coincidence.pair
+        raise CapabilityError(
+            f"scene {scene.name}: {one} and {other} lie in one plane, so that a ray hits them"
+            " in any order; move one of them"
+        )
+
+
+def _require_distinct_triangles(scene: Scene) -> None:
     corners = [item.mesh.positions[item.mesh.triangles] for item in scene.objects]
     owners = np.repeat(np.arange(len(corners)), [len(part) for part in corners])
     triangles = np.concatenate(corners).astype(np.float32) + np.float32(0)

@@ -12,22 +12,24 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from oitbench.path_traced.export.texture import FilteredTexture
+from oitbench.path_traced.export.texture import FilteredTextures
 from oitbench.path_traced.export.view import View
 from oitbench.path_traced.optics.reflection import schlick
 
 LIGHT = "vertex_light"
-"""Mesh attribute: α·L, or the factor on it where a texture gives α·L."""
+"""Mesh attribute: α·L, where a texture is a factor on both."""
 ABSORPTION = "face_absorption"
-"""Mesh attribute: α(1 − T(1 − albedo)), or 1 − T(1 − albedo) where a texture gives α.
+"""Mesh attribute: α(1 − T(1 − albedo)), where a texture is a factor on α.
 
 It is constant on each triangle. Interpolation between equal vertices would turn 1 into 0.99999998,
 and a very bright light would shine through an opaque surface.
 """
 COVERAGE = "face_coverage"
-"""Mesh attribute: α, or 1 where a texture gives it."""
+"""Mesh attribute: α, on which a texture is a factor."""
 REFLECTANCE = "face_reflectance"
 """Mesh attribute: F₀."""
+TEXTURE = "face_texture"
+"""Mesh attribute: number of the texture plus one; 0 for none."""
 
 
 @dataclass(frozen=True)
@@ -40,14 +42,14 @@ class Film:
         With a variant set.
     view : View
         For the far plane, beyond which nothing is drawn.
-    texture : FilteredTexture, optional
-        Emission and coverage of the film.
+    textures : FilteredTextures, optional
+        Emission and coverage of textured faces.
     """
 
     mitsuba: Any
     drjit: Any
     view: View
-    texture: FilteredTexture | None = None
+    textures: FilteredTextures | None = None
 
     def transmittance(self, si: Any, active: Any) -> Any:
         """Return τ = 1 − α + αt, with t = T (1 − F)(1 − albedo)."""
@@ -56,8 +58,8 @@ class Film:
         coverage = si.shape.eval_attribute_1(COVERAGE, si, active)
         reflectance = si.shape.eval_attribute_1(REFLECTANCE, si, active)
         absorption += schlick(self.drjit, reflectance, abs(si.wi.z)) * (coverage - absorption)
-        if self.texture is not None:
-            absorption = absorption * self.texture(si)[3]
+        if self.textures is not None:
+            absorption = absorption * self._texel(si, active)[3]
         drawn = self.view.before_far_plane(self.mitsuba, self.drjit, si.p)
         return self.drjit.select(drawn, 1 - absorption, color(1))
 
@@ -65,10 +67,16 @@ class Film:
         """Return α·L."""
         color = self.mitsuba.Color3f
         light = color(si.shape.eval_attribute_3(LIGHT, si, active))
-        if self.texture is not None:
-            light = light * color(*self.texture(si)[:3])
+        if self.textures is not None:
+            light = light * color(*self._texel(si, active)[:3])
         drawn = self.view.before_far_plane(self.mitsuba, self.drjit, si.p)
         return self.drjit.select(drawn, light, color(0))
+
+    def _texel(self, si: Any, active: Any) -> list[Any]:
+        """Return the factors on α·L and on α at `si`; one where the face has no texture."""
+        assert self.textures is not None
+        number = self.mitsuba.UInt32(si.shape.eval_attribute_1(TEXTURE, si, active))
+        return self.textures.factors(si, number, active)
 
 
 def make_bsdf(film: Film) -> Any:

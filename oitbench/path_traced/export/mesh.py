@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Hashable, Mapping, Sequence
 from types import ModuleType
 from typing import Any
 
@@ -13,15 +13,19 @@ from oitbench.path_traced.export.film import (
     COVERAGE,
     LIGHT,
     REFLECTANCE,
+    TEXTURE,
     Film,
     make_bsdf,
     make_emitter,
 )
 from oitbench.path_traced.optics.materials import interface_roughness
-from oitbench.scene import RGB, Array, Material, Mesh, Object, Texture
+from oitbench.scene import Array, Floats, Material, Mesh, Object
+from oitbench.scene.texturing import constants_of, image_key, images_of
 
 
-def build_mesh(mitsuba: ModuleType, film: Film, group: Sequence[Object]) -> Any:
+def build_mesh(
+    mitsuba: ModuleType, film: Film, group: Sequence[Object], numbers: Mapping[Hashable, int]
+) -> Any:
     """Return one Mitsuba mesh of all objects of a group.
 
     Parameters
@@ -29,14 +33,16 @@ def build_mesh(mitsuba: ModuleType, film: Film, group: Sequence[Object]) -> Any:
     mitsuba : module
         With a variant set.
     film : Film
-        With the texture of the group, if it has one.
+        With the textures of the scene, if it has some.
     group : sequence of Object
         Either films or one refracting solid (see `shapes.layout`).
+    numbers : mapping of hashable to int
+        Place of each texture among those of the scene, by `image_key`.
     """
-    textured = film.texture is not None
+    textured = film.textures is not None
     meshes = [_with_normals(item.mesh) for item in group]
     light = np.concatenate(
-        [_light(item.material, mesh, textured) for item, mesh in zip(group, meshes, strict=True)]
+        [_light(item.material, mesh) for item, mesh in zip(group, meshes, strict=True)]
     )
     properties = mitsuba.Properties("mesh")
     refracts = group[0].material.refracts and not group[0].material.opaque
@@ -53,14 +59,14 @@ def build_mesh(mitsuba: ModuleType, film: Film, group: Sequence[Object]) -> Any:
         has_vertex_texcoords=textured,
     )
     mesh.add_attribute(LIGHT, 3, light.ravel())
-    for name, column in _attributes(group, textured).items():
+    for name, column in _attributes(group, numbers).items():
         mesh.add_attribute(name, column.shape[1], column.ravel())
     values = mitsuba.traverse(mesh)
     values["faces"] = faces.ravel()
     values["vertex_positions"] = _joined([part.positions for part in meshes])
     values["vertex_normals"] = _joined([part.normals for part in meshes])
     if textured:
-        values["vertex_texcoords"] = _joined([part.uvs for part in meshes])
+        values["vertex_texcoords"] = _joined([_uvs(part) for part in meshes])
     values.update()
     return mesh
 
@@ -79,7 +85,7 @@ def _with_normals(mesh: Mesh) -> Mesh:
     if mesh.normals is not None:
         return mesh
     corners = mesh.triangles.ravel()
-    points = mesh.positions[mesh.triangles].astype(np.float64)
+    points = mesh.positions[mesh.triangles]
     normals = np.cross(points[:, 1] - points[:, 0], points[:, 2] - points[:, 0])
     length = np.linalg.norm(normals, axis=1, keepdims=True)
     normals = np.divide(normals, length, out=np.zeros_like(normals), where=length > 0)
@@ -92,7 +98,11 @@ def _with_normals(mesh: Mesh) -> Mesh:
     )
 
 
-def _joined(parts: Sequence[Array | None]) -> Any:
+def _uvs(mesh: Mesh) -> Array:
+    return np.zeros((len(mesh.positions), 2), np.float32) if mesh.uvs is None else mesh.uvs
+
+
+def _joined(parts: Sequence[Floats | Array | None]) -> Any:
     present = [part for part in parts if part is not None]
     return np.concatenate(present).astype(np.float32).ravel()
 
@@ -107,29 +117,30 @@ def _joined_triangles(meshes: Sequence[Mesh]) -> Any:
     return np.concatenate(parts)
 
 
-def _light(material: Material, mesh: Mesh, textured: bool) -> Array:
-    """Return α·L at the vertices, shape (n, 3); the factor on it where a texture gives α·L."""
+def _light(material: Material, mesh: Mesh) -> Array:
+    """Return α·L at the vertices, shape (n, 3), without the factor of a texture."""
+    emission, coverage = constants_of(material)
     light = np.ones((len(mesh.positions), 3)) if mesh.radiance is None else mesh.radiance
-    if not textured:
-        light = light * np.multiply(_constant(material.emission), _constant(material.coverage))
-    return light.astype(np.float32)
+    return np.asarray(light * np.multiply(emission, coverage), dtype=np.float32)
 
 
-def _attributes(group: Sequence[Object], textured: bool) -> dict[str, Array]:
-    """Return the values of the faces by attribute; α counts as 1 where a texture gives it."""
+def _attributes(group: Sequence[Object], numbers: Mapping[Hashable, int]) -> dict[str, Array]:
+    """Return the values of the faces by attribute, without the factor of a texture."""
     rows = []
     for item in group:
         material = item.material
-        coverage = 1.0 if textured else np.asarray(_constant(material.coverage), dtype=np.float64)
+        _, coverage = constants_of(material)
         kept = np.multiply(material.transmission, 1 - np.asarray(material.albedo))
         reflectance = 0.0 if material.isotropic else material.reflectance
-        rows.append([*(coverage * (1 - kept)), coverage, reflectance])
+        number = texture_number(material, numbers)
+        rows.append([*(coverage * (1 - kept)), coverage, reflectance, number])
     counts = [len(item.mesh.triangles) for item in group]
     values = np.repeat(np.asarray(rows, dtype=np.float32), counts, axis=0)
-    return {ABSORPTION: values[:, :3], COVERAGE: values[:, 3:4], REFLECTANCE: values[:, 4:]}
+    columns = {ABSORPTION: values[:, :3], COVERAGE: values[:, 3:4], REFLECTANCE: values[:, 4:5]}
+    return columns | ({TEXTURE: values[:, 5:]} if numbers else {})
 
 
-def _constant(value: float | RGB | Texture) -> float | RGB:
-    if isinstance(value, Texture):
-        raise TypeError("a textured value has no constant")
-    return value
+def texture_number(material: Material, numbers: Mapping[Hashable, int]) -> int:
+    """Return the number of a material's texture plus one; 0 if it has none."""
+    images = images_of(material)
+    return 0 if images is None else numbers[image_key(images)] + 1

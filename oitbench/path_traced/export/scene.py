@@ -1,24 +1,25 @@
 """Export of a whole scene to Mitsuba.
 
-All films of one texture become one mesh, and their materials become attributes of its faces. One
-acceleration structure thus holds all objects, and the kernel stays small.
+All films become one mesh, and their materials become attributes of its faces. One acceleration
+structure thus holds all objects, and the kernel stays small.
 """
 
 from __future__ import annotations
 
 import importlib
+from collections.abc import Hashable
 from dataclasses import dataclass
 from types import ModuleType
 from typing import Any
 
 from oitbench.path_traced.export.checks import require_traceable
 from oitbench.path_traced.export.film import Film
-from oitbench.path_traced.export.mesh import build_mesh
+from oitbench.path_traced.export.mesh import build_mesh, texture_number
 from oitbench.path_traced.export.shapes import layout
-from oitbench.path_traced.export.texture import FilteredTexture
+from oitbench.path_traced.export.texture import FilteredTextures
 from oitbench.path_traced.export.view import View
-from oitbench.scene import BLACK, Object, Scene
-from oitbench.scene.texturing import premultiplied_pyramid
+from oitbench.scene import BLACK, Material, Object, Scene
+from oitbench.scene.texturing import distinct_images, premultiplied_pyramid
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,13 +32,20 @@ class ExportedScene:
         The surfaces and the background. Lights and the medium are traced from `Scene` itself.
     groups : dict of str to list of Object
         The objects of each shape, by the id of the shape (see `shapes.layout`).
-    textures : dict of str to FilteredTexture
-        By the id of the shape; shapes that have no texture are absent.
+    textures : FilteredTextures or None
+        None if no object has a texture.
+    numbers : dict of hashable to int
+        Place of each texture in `textures`, by `image_key`.
     """
 
     content: Any
     groups: dict[str, list[Object]]
-    textures: dict[str, FilteredTexture]
+    textures: FilteredTextures | None
+    numbers: dict[Hashable, int]
+
+    def texture_of(self, material: Material) -> int:
+        """Return the number of a material's texture plus one; 0 if it has none."""
+        return texture_number(material, self.numbers)
 
 
 def export(scene: Scene, view: View, mitsuba: ModuleType) -> ExportedScene:
@@ -59,15 +67,17 @@ def export(scene: Scene, view: View, mitsuba: ModuleType) -> ExportedScene:
     require_traceable(scene)
     drjit = importlib.import_module("drjit")
     content: dict[str, Any] = {"type": "scene"}
-    textures: dict[str, FilteredTexture] = {}
+    images = distinct_images(item.material for item in scene.objects)
+    numbers = {key: number for number, key in enumerate(images)}
+    textures = None
+    if images:
+        pyramids = [premultiplied_pyramid(pair) for pair in images.values()]
+        textures = FilteredTextures.build(mitsuba, drjit, pyramids, view)
+    film = Film(mitsuba, drjit, view, textures)
     groups = layout(scene)
     for name, group in groups.items():
-        pyramid = premultiplied_pyramid(group[0].material)
-        if pyramid is not None:
-            textures[name] = FilteredTexture.build(mitsuba, drjit, pyramid, view)
-        film = Film(mitsuba, drjit, view, textures.get(name))
-        content[name] = build_mesh(mitsuba, film, group)
+        content[name] = build_mesh(mitsuba, film, group, numbers)
     if scene.background != BLACK:
         radiance = {"type": "rgb", "value": [float(value) for value in scene.background]}
         content["background"] = {"type": "constant", "radiance": radiance}
-    return ExportedScene(mitsuba.load_dict(content), groups, textures)
+    return ExportedScene(mitsuba.load_dict(content), groups, textures, numbers)

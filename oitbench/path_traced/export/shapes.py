@@ -2,36 +2,34 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable
+from oitbench.path_traced.optics.materials import interface_roughness
+from oitbench.scene import Object, Scene
 
-from oitbench.scene import Material, Object, Scene, Texture
+FILMS = "films"
+"""Id of the shape of all films."""
 
 
-def solids(scene: Scene) -> dict[str, Object]:
-    """Return the refracting solids of `scene` by the ids of their Mitsuba shapes."""
-    found = [item for item in scene.transparent if item.material.refracts]
-    return {f"solid_{number}": item for number, item in enumerate(found)}
+def solids(scene: Scene) -> dict[str, list[Object]]:
+    """Return the refracting solids of `scene` by the ids of their Mitsuba shapes.
+
+    Solids with equal interfaces share a shape.
+    """
+    groups: dict[tuple[float, float], list[Object]] = {}
+    for item in scene.transparent:
+        material = item.material
+        if material.refracts:
+            key = (material.index, interface_roughness(material))
+            groups.setdefault(key, []).append(item)
+    return {f"solids_{number}": group for number, group in enumerate(groups.values())}
 
 
 def layout(scene: Scene) -> dict[str, list[Object]]:
     """Return the objects of `scene` by the id of their Mitsuba shape.
 
-    Each refracting solid has a shape of its own. All other objects are films, and those with the
-    same texture share a shape. Few shapes keep the kernel small, as drjit records the calls of each
-    plugin.
+    Objects that are no refracting solids are films, and share a shape. Few shapes keep the kernel
+    small, as drjit records the calls of each plugin.
     """
     refracting = solids(scene)
-    apart = {id(item) for item in refracting.values()}
-    groups: dict[Hashable, list[Object]] = {}
-    for item in scene.objects:
-        if id(item) not in apart:
-            groups.setdefault(_texture_key(item.material), []).append(item)
-    films = {f"films_{number}": group for number, group in enumerate(groups.values())}
-    return films | {name: [item] for name, item in refracting.items()}
-
-
-def _texture_key(material: Material) -> Hashable:
-    parts = (material.emission, material.coverage)
-    if not any(isinstance(part, Texture) for part in parts):
-        return None
-    return tuple(id(part) if isinstance(part, Texture) else part for part in parts)
+    apart = {id(item) for group in refracting.values() for item in group}
+    films = [item for item in scene.objects if id(item) not in apart]
+    return ({FILMS: films} if films else {}) | refracting

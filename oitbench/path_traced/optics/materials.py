@@ -47,13 +47,16 @@ def interface_roughness(material: Material) -> float:
 
 
 def mean_chord(mesh: Mesh) -> float:
-    """Return the mean length of the chords through a closed mesh, 4V/S (Cauchy), in meters."""
-    corners = mesh.positions[mesh.triangles].astype(np.float64)
+    """Return the mean length of the chords through a closed mesh, 4V/S (Cauchy), in meters.
+
+    It is 0 for a mesh without area.
+    """
+    corners = mesh.positions[mesh.triangles]
     corners = corners - corners.mean(axis=(0, 1))
     cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    surface = np.linalg.norm(cross, axis=1).sum() / 2
+    surface = float(np.linalg.norm(cross, axis=1).sum()) / 2
     volume = abs(float((corners[:, 0] * cross).sum())) / 6
-    return 4 * volume / float(surface)
+    return 4 * volume / surface if surface > 0 else 0.0
 
 
 def absorption(item: Object) -> RGB:

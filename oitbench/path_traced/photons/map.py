@@ -19,7 +19,7 @@ from oitbench.path_traced.export.shapes import solids
 from oitbench.path_traced.optics.materials import absorption
 from oitbench.path_traced.photons.cells import BITS, WIDER, PhotonCells
 from oitbench.path_traced.photons.emission import Emission
-from oitbench.path_traced.photons.paths import DEPTH, PhotonPaths
+from oitbench.path_traced.photons.paths import DEPTH, Interiors, PhotonPaths
 from oitbench.scene import Object, Scene
 
 CELL_PHOTONS = 128
@@ -93,7 +93,7 @@ class CausticMap:
         if not items or not scene.beams:
             return None
         triangles = np.concatenate(
-            [item.mesh.positions[item.mesh.triangles] for item in items.values()]
+            [item.mesh.positions[item.mesh.triangles] for group in items.values() for item in group]
         ).astype(np.float64)
         box = content.bbox()
         bounds = (np.array(box.min, np.float64).ravel(), np.array(box.max, np.float64).ravel())
@@ -202,19 +202,29 @@ class CausticMap:
 
 
 def _interiors(
-    mitsuba: Any, drjit: Any, content: Any, items: dict[str, Object]
-) -> list[tuple[Any, Any, Any]]:
-    """Return the shape, σ and 1 − albedo of each refracting solid (see `PhotonPaths`)."""
-    shapes = {shape.id(): shape for shape in content.shapes()}
-    missing = sorted(set(items) - set(shapes))
+    mitsuba: Any, drjit: Any, content: Any, groups: dict[str, list[Object]]
+) -> Interiors:
+    """Return the interiors of all refracting solids, in the order of `export.shapes.solids`."""
+    found = {shape.id(): shape for shape in content.shapes()}
+    missing = sorted(set(groups) - set(found))
     if missing:
         raise ValueError(
             f"the Mitsuba scene has no shape {', '.join(missing)}; export the same scene"
         )
-    color = mitsuba.Color3f
-    interiors = [
-        (mitsuba.ShapePtr(shapes[name]), color(*absorption(item)), 1 - color(*item.material.albedo))
-        for name, item in items.items()
-    ]
-    drjit.make_opaque(interiors)
+    items = [item for group in groups.values() for item in group]
+    counts = [len(item.mesh.triangles) for item in items]
+    sizes = [sum(len(item.mesh.triangles) for item in group) for group in groups.values()]
+    firsts = (np.cumsum(sizes) - sizes).tolist()
+    kept = [1 - np.asarray(item.material.albedo) for item in items]
+    values = np.column_stack([[absorption(item) for item in items], kept])
+    interiors = Interiors(
+        [
+            (mitsuba.ShapePtr(found[name]), mitsuba.UInt32(first))
+            for name, first in zip(groups, firsts, strict=True)
+        ],
+        mitsuba.UInt32(np.repeat(np.arange(len(items), dtype=np.uint32), counts)),
+        mitsuba.Float(values[:, :3].astype(np.float32).ravel()),
+        mitsuba.Float(values[:, 3:].astype(np.float32).ravel()),
+    )
+    drjit.make_opaque(interiors.shapes)
     return interiors

@@ -11,6 +11,28 @@ DEPTH = 32
 
 
 @dataclass(frozen=True)
+class Interiors:
+    """The shapes of refracting solids, and what is inside of them.
+
+    Parameters
+    ----------
+    shapes : sequence of (mitsuba.ShapePtr, UInt32)
+        Each shape, and the number of its first face.
+    rows : UInt32
+        Number of the solid that each face bounds.
+    absorption : Float
+        σ of each solid, three channels, m⁻¹.
+    kept : Float
+        1 − albedo of each solid, three channels: the part of the light that enters.
+    """
+
+    shapes: Sequence[tuple[Any, Any]]
+    rows: Any
+    absorption: Any
+    kept: Any
+
+
+@dataclass(frozen=True)
 class PhotonPaths:
     """The surfaces on which photons are traced.
 
@@ -19,10 +41,9 @@ class PhotonPaths:
     mitsuba, drjit : module
         With a variant that is not scalar.
     scene : mitsuba.Scene
-    solids : sequence of (mitsuba.ShapePtr, mitsuba.Color3f, mitsuba.Color3f)
-        The refracting solids. For each: its shape, the absorption coefficient σ inside, m⁻¹, and
-        1 − albedo, the part of the light that enters. All other surfaces are films, which let light
-        straight through or not at all.
+    solids : Interiors
+        The refracting solids. All other surfaces are films, which let light straight through or
+        not at all.
     seeds : sequence of int
         Two for each of `DEPTH` surfaces.
     """
@@ -30,7 +51,7 @@ class PhotonPaths:
     mitsuba: Any
     drjit: Any
     scene: Any
-    solids: Sequence[tuple[Any, Any, Any]]
+    solids: Interiors
     seeds: Sequence[int]
 
     def follow(self, ray: Any, power: Any, index: Any) -> Iterator[tuple[Any, Any, Any, Any]]:
@@ -81,14 +102,16 @@ class PhotonPaths:
 
     def _solid(self, si: Any) -> tuple[Any, Any, Any]:
         """Return whether `si` is on a solid, σ inside, and the part of the light that enters."""
-        solid, color = self.mitsuba.Bool(False), self.mitsuba.Color3f
-        sigma, kept = color(0), color(1)
-        for shape, absorbs, enters in self.solids:
+        drjit, mitsuba = self.drjit, self.mitsuba
+        solid, face = mitsuba.Bool(False), mitsuba.UInt32(0)
+        for shape, first in self.solids.shapes:
             here = si.shape == shape
             solid |= here
-            sigma = self.drjit.select(here, absorbs, sigma)
-            kept = self.drjit.select(here, enters, kept)
-        return solid, sigma, kept
+            face = drjit.select(here, first + si.prim_index, face)
+        row = drjit.gather(mitsuba.UInt32, self.solids.rows, face, solid)
+        sigma = drjit.gather(mitsuba.Color3f, self.solids.absorption, row, solid)
+        kept = drjit.gather(mitsuba.Color3f, self.solids.kept, row, solid)
+        return solid, sigma, drjit.select(solid, kept, 1)
 
     def _scatter(self, si: Any, solid: Any, index: Any, depth: int) -> tuple[Any, Any]:
         """Return the direction in which a photon continues, and the factor on its power."""

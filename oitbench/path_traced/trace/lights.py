@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from oitbench.scene import PENUMBRA, RGB, Array, DirectionalLight, Scene, SpotLight, Texture
+from oitbench.scene import PENUMBRA, RGB, Array, DirectionalLight, Scene, SpotLight, Texture, unit
 
 LEAST_SIDE = 4
 """Least number of texels along a side of the map by which directions are sampled."""
@@ -36,11 +36,10 @@ class TracedBeam:
         """
         mitsuba, drjit, light = self.mitsuba, self.drjit, self.light
         if isinstance(light, DirectionalLight):
-            back = -np.asarray(light.direction, dtype=np.float64)
-            toward = drjit.opaque(mitsuba.Vector3f, (back / np.linalg.norm(back)).tolist())
+            back = -unit(np.asarray(light.direction, dtype=np.float64))
+            toward = drjit.opaque(mitsuba.Vector3f, back.tolist())
             return toward, mitsuba.Float(drjit.inf), self._color(light.irradiance)
-        axis = np.subtract(light.target, light.position).astype(np.float64)
-        axis /= np.linalg.norm(axis)
+        axis = unit(np.subtract(light.target, light.position, dtype=np.float64))
         offset = drjit.opaque(mitsuba.Point3f, list(map(float, light.position))) - p
         squared = drjit.maximum(drjit.squared_norm(offset), 1e-8)
         toward = offset * drjit.rsqrt(squared)

@@ -15,12 +15,13 @@ import numpy.typing as npt
 
 from oitbench.path_traced.export.film import LIGHT
 from oitbench.path_traced.export.scene import ExportedScene
-from oitbench.path_traced.export.texture import FilteredTexture
+from oitbench.path_traced.export.texture import FilteredTextures
 from oitbench.path_traced.export.view import View
 from oitbench.path_traced.optics.materials import absorption, interface_roughness, spread
 from oitbench.path_traced.optics.reflection import schlick
 from oitbench.path_traced.trace.hits import STEP, Hit, Layer, Line
 from oitbench.scene import BLACK, Object, Texture
+from oitbench.scene.texturing import constants_of
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,8 +41,7 @@ class Surfaces:
         Number of the object of each face.
     tables : dict of str to Float
         One column of values for each property, by object.
-    textures : list of (int, FilteredTexture)
-        By the place of the shape in the layout.
+    textures : FilteredTextures or None
     has : frozenset of str
         Columns that are not zero everywhere. The others are not looked up and cost nothing.
     """
@@ -53,7 +53,7 @@ class Surfaces:
     offsets: Any
     rows: Any
     tables: dict[str, Any]
-    textures: list[tuple[int, FilteredTexture]]
+    textures: FilteredTextures | None
     has: frozenset[str]
 
     @classmethod
@@ -68,15 +68,13 @@ class Surfaces:
         offsets = np.zeros(max(numbers.values()) + 1, dtype=np.uint32)
         faces: list[int] = []
         columns: list[dict[str, npt.NDArray[np.float32]]] = []
-        textures: list[tuple[int, FilteredTexture]] = []
-        for place, (name, group) in enumerate(exported.groups.items()):
-            offsets[numbers[name]] = sum(faces)
-            textured = name in exported.textures
-            if textured:
-                textures.append((place, exported.textures[name]))
+        first = 0
+        for name, group in exported.groups.items():
+            offsets[numbers[name]] = first
             for item in group:
                 faces.append(len(item.mesh.triangles))
-                columns.append(_values(item, place if textured else -1))
+                columns.append(_values(item, exported.texture_of(item.material)))
+                first += faces[-1]
         tables = {name: np.stack([column[name] for column in columns]) for name in columns[0]}
         return cls(
             mitsuba,
@@ -86,7 +84,7 @@ class Surfaces:
             mitsuba.UInt32(offsets),
             mitsuba.UInt32(np.repeat(np.arange(len(faces), dtype=np.uint32), faces)),
             {name: mitsuba.Float(values.ravel()) for name, values in tables.items()},
-            textures,
+            exported.textures,
             frozenset(name for name, values in tables.items() if values.any()),
         )
 
@@ -138,16 +136,15 @@ class Surfaces:
 
     def _coverage_and_light(self, si: Any, row: Any, active: Any) -> tuple[Any, Any]:
         """Return α and α·L, which a texture may give."""
-        drjit, mitsuba = self.drjit, self.mitsuba
+        mitsuba = self.mitsuba
         coverage = self._number("coverage", row, active)
         light = mitsuba.Color3f(0)
         if "glows" in self.has:
             light = mitsuba.Color3f(si.shape.eval_attribute_3(LIGHT, si, active))
-        for place, texture in self.textures:
-            here = active & (self._number("texture", row, active) == place)
-            found = texture(si)
-            coverage = drjit.select(here, found[3], coverage)
-            light = drjit.select(here, light * mitsuba.Color3f(*found[:3]), light)
+        if self.textures is not None:
+            number = mitsuba.UInt32(self._number("texture", row, active))
+            *glow, alpha = self.textures.factors(si, number, active)
+            coverage, light = coverage * alpha, light * mitsuba.Color3f(*glow)
         return coverage, light
 
     def _number(self, name: str, row: Any, active: Any) -> Any:
@@ -164,13 +161,13 @@ class Surfaces:
 def _values(item: Object, texture: int) -> dict[str, npt.NDArray[np.float32]]:
     """Return the properties of an object by column; properties that do not apply are zero.
 
-    `texture` is the place of its textured shape in the layout, or −1.
+    `texture` is the number of its texture plus one, or 0.
     """
     material = item.material
     refracts = material.refracts and not material.opaque
     sheet = not refracts and not material.opaque
     values: dict[str, Any] = {
-        "coverage": 0 if isinstance(material.coverage, Texture) else material.coverage,
+        "coverage": constants_of(material)[1],
         "glows": isinstance(material.emission, Texture) or material.emission != BLACK,
         "transmission": material.transmission,
         "albedo": material.albedo,

@@ -32,7 +32,7 @@ def test_a_window_wall_has_one_opening() -> None:
     for x, y, expected in ((0.1, 3, 0), (0.1, 4.5, 0), (0.1, 0.5, 2), (1.2, 3, 2), (0.1, 5, 2)):
         assert len(hits(wall, (x, y + 0.017, 5), (0, 0, -1))) == expected
     low, high = bounds(wall)
-    assert low.tolist() == [-1.5, 0, -0.25]
+    np.testing.assert_allclose(low, [-1.5, 0, -0.25], atol=1e-12)
     assert high.tolist() == [1.5, 6, 0.25]
 
 

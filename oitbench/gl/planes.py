@@ -1,0 +1,61 @@
+"""Common planes of coincident surfaces, from which shaders take one depth for all of them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from oitbench.scene import Array, Floats, Mesh, Scene
+from oitbench.scene.coincidence import Coincidence, find_coincidence
+
+PLANE_FORMAT, PLANE_NAME = "3f4", "in_plane"
+
+
+def with_separate_corners(scene: Scene) -> tuple[Scene, Coincidence | None]:
+    """Return `scene` with three vertices for each triangle of coincident objects.
+
+    Vertices can then hold the plane of their triangle.
+
+    Parameters
+    ----------
+    scene : Scene
+        Seen from the origin.
+    """
+    found = find_coincidence(scene.objects)
+    if found is None:
+        return scene, None
+    objects = tuple(
+        replace(item, mesh=_separate(item.mesh)) if item.name in found.planes else item
+        for item in scene.objects
+    )
+    return replace(scene, objects=objects), found
+
+
+def _separate(mesh: Mesh) -> Mesh:
+    corners = mesh.triangles.ravel()
+    return Mesh(
+        mesh.positions[corners],
+        np.arange(len(corners), dtype=np.uint32).reshape(-1, 3),
+        *(
+            None if values is None else values[corners]
+            for values in (mesh.uvs, mesh.radiance, mesh.normals)
+        ),
+    )
+
+
+def nearness_of_vertices(scene: Scene, found: Coincidence) -> Array:
+    """Return rows (A, B, C) of all vertices, opaque objects first, shape (n, 3).
+
+    The point of a plane at which the camera looks along the slopes (x, y) has the inverse view
+    distance A·x + B·y + C. Rows are 0 for triangles that coincide with nothing.
+    """
+    to_slopes = scene.camera.axes.T * (1.0, 1.0, -1.0)
+    parts: list[Floats] = []
+    for item in (*scene.opaque, *scene.transparent):
+        duals = found.planes.get(item.name)
+        count = len(item.mesh.positions)
+        parts.append(
+            np.zeros((count, 3)) if duals is None else np.repeat(duals @ to_slopes, 3, axis=0)
+        )
+    return np.concatenate(parts).astype(np.float32)
