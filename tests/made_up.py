@@ -9,10 +9,12 @@ from typing import Any
 import msgspec
 
 from oitbench.image import metrics
+from oitbench.image.stored import StoredImage
 from oitbench.results.schema import (
     EXACT,
     PATH_TRACED,
     EffectNames,
+    Fingerprints,
     Interval,
     Memory,
     Nonfinite,
@@ -39,7 +41,12 @@ VALUES: dict[str, float | None] = {
 }
 
 
-def outcome_of(scores: dict[str, Scores], images: dict[str, str]) -> Outcome:
+NO_IMAGE = StoredImage("images/a.exr", "0" * 64, 1)
+"""An image that does not exist."""
+FINGERPRINTS = Fingerprints("s", "m", "e", "f", {EXACT: "x", PATH_TRACED: "p"})
+
+
+def outcome_of(scores: dict[str, Scores], images: dict[str, StoredImage]) -> Outcome:
     """Return the outcome of a frame with two passes."""
     return Outcome(
         parameters={},
@@ -62,8 +69,11 @@ def record(method: str = "mean", scene: str = "glass[count=4]", **fields: Any) -
     scores = {EXACT: Scores(dict(VALUES)), PATH_TRACED: Scores(dict(VALUES))}
     name = method.partition("[")[0]
     time = Time(Interval(2.0, 1.9, 2.1, [2.0]), 0.0)
-    outcome = outcome_of(scores, {"color": "images/a.exr"})
-    made = Record(scene, method, name, (8, 6), 2, "requested", 1, "ok", outcome=outcome, time=time)
+    outcome = outcome_of(scores, {"color": NO_IMAGE})
+    made = Record(
+        scene, method, name, (8, 6), 2, "requested", 1, 4, [EXACT, PATH_TRACED], "ok",
+        gl=Renderer("softly"), fingerprints=FINGERPRINTS, outcome=outcome, time=time,
+    )  # fmt: skip
     return msgspec.structs.replace(made, **fields)
 
 
@@ -90,10 +100,10 @@ FACTS = RunFacts(gl=Renderer("softly"), seed=1, argv=["/home/me/oitbench"])
 
 
 def write(folder: Path, records: Sequence[Record], facts: RunFacts = FACTS) -> Path:
-    """Write a results folder and return it."""
-    store = Store.open(folder)
-    store.write_run(facts)
-    for item in records:
-        store.append(item)
-    store.compact()
+    """Write a results folder, without images, and return it."""
+    with Store.open(folder) as store:
+        store.write_run(facts)
+        for item in records:
+            store.append(item)
+        store.compact()
     return folder

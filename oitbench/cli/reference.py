@@ -13,9 +13,9 @@ from rich.console import Console
 from oitbench.cli import options
 from oitbench.errors import CapabilityError, UsageError
 from oitbench.path_traced.references import lookup, storage
-from oitbench.path_traced.references.check import CHECK_SPP, check
-from oitbench.path_traced.references.rendering import render_reference
-from oitbench.path_traced.references.storage import ReferenceInfo
+from oitbench.path_traced.references.check import CHECK_SPP, check, failure_folder
+from oitbench.path_traced.references.rendering import plan_rendering, render_reference
+from oitbench.path_traced.references.storage import Reference
 from oitbench.plugins import Collection
 
 _SIZE = (256, 256)
@@ -101,7 +101,7 @@ def _jobs(
 ) -> Iterator[Job]:
     """Yield a job for each scene and size; without a size, for each size that is stored."""
     known = [
-        info
+        info.rendering
         for folder in collection.folders
         for info in storage.read_manifest(folder / storage.FOLDER).values()
     ]
@@ -124,38 +124,40 @@ def _render(
     output: Path | None,
 ) -> None:
     scene = collection.build_scene(job.scene)
+    rendering = plan_rendering(scene, job.scene, job.size, job.ssaa, spp, seed)
     try:
-        reference = render_reference(scene, job.scene, job.size, job.ssaa, spp, seed)
+        reference = render_reference(scene, rendering)
     except CapabilityError as error:
         console.print(f"skipped  {error}", style="yellow", markup=False)
         return
     folder = output or _reference_folder(collection, job.scene)
     storage.save(folder, reference)
-    info = reference.info
-    console.print(f"rendered {folder / info.key}  {_noise_floor(info)}", markup=False)
+    console.print(f"rendered {folder / rendering.key}  {_noise_floor(reference)}", markup=False)
 
 
 def _check(
     console: Console, collection: Collection, job: Job, spp: int | None, output: Path | None
 ) -> bool:
     scene = collection.build_scene(job.scene)
-    reference = lookup.find(scene, job.scene, job.size, job.ssaa, collection.folders)
+    found = lookup.find(scene, job.scene, job.size, job.ssaa, collection.folders)
     key = storage.reference_key(job.scene, job.size)
-    if reference is None:
-        raise UsageError(f"{key}: no such reference is stored; run without --check to render it")
-    if reference.stale:
-        console.print(f"stale    {reference.message}", style="red", markup=False)
+    if found.message:
+        console.print(f"unusable {found.message}", style="red", markup=False)
+    if found.reference is None:
+        if not found.message:
+            raise UsageError(
+                f"{key}: no such reference is stored; run without --check to render it"
+            )
         return False
     failures = output or Path("results") / "reference_check"
-    result = check(scene, reference, failures, spp or CHECK_SPP)
+    result = check(scene, found.reference, failures, spp or CHECK_SPP)
     text = f"{key}  {100 * result.fraction:.2f} % of the pixels pass"
     if result.passed:
         console.print(f"passed   {text}", markup=False)
     else:
-        console.print(
-            f"failed   {text}; see the images in {failures / key}", style="red", markup=False
-        )
-    return result.passed
+        folder = failure_folder(failures, found.reference)
+        console.print(f"failed   {text}; see the images in {folder}", style="red", markup=False)
+    return result.passed and not found.message
 
 
 def _reference_folder(collection: Collection, label: str) -> Path:
@@ -164,8 +166,8 @@ def _reference_folder(collection: Collection, label: str) -> Path:
     return path.parent.parent / storage.FOLDER
 
 
-def _noise_floor(info: ReferenceInfo) -> str:
+def _noise_floor(reference: Reference) -> str:
     floors = (
-        f"{name} {value:.5f}" for name, value in info.noise_floor.items() if value is not None
+        f"{name} {value:.5f}" for name, value in reference.noise_floor.items() if value is not None
     )
     return "noise floor " + ", ".join(floors)

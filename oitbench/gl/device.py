@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import os
 from collections.abc import Callable
 from functools import cached_property
 from typing import Any
@@ -65,6 +66,8 @@ class Device:
     """
 
     def __init__(self) -> None:
+        # Mesa maps its shader cache into memory: on a full disk, writing there ends the process.
+        os.environ.setdefault("MESA_SHADER_CACHE_DISABLE", "true")
         try:
             backend = glcontext.get_backend_by_name("egl")(
                 mode="standalone", libgl="libGL.so.1", libegl="libEGL.so.1", glversion=450

@@ -5,6 +5,8 @@ An image is an array of shape (h, w, 3), float32: linear Rec.709 radiance, top r
 
 from __future__ import annotations
 
+import errno
+import os
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -16,6 +18,9 @@ from oitbench.atomic import replacing
 from oitbench.errors import UsageError
 
 Image = npt.NDArray[np.float32]
+
+Channels = Mapping[str, npt.NDArray[Any]]
+"""Pixels of an OpenEXR file by channel; R, G and B are one entry."""
 
 _LARGEST_HALF = float(np.finfo(np.float16).max)
 _NONFINITE_COLOR = (1.0, 0.0, 1.0)
@@ -91,20 +96,27 @@ def write_exr(path: Path | str, image: npt.ArrayLike, *, half: bool = False) -> 
 
     Raises
     ------
-    UsageError
+    StorageError
         If the file cannot be written.
     ValueError
         If a finite value does not fit a half float and `half` is set.
     """
+    channels = image_channels(image, half=half)
+    with replacing(Path(path)) as partial:
+        write_channels(partial, channels)
+
+
+def image_channels(image: npt.ArrayLike, *, half: bool = False) -> Channels:
+    """Return the channels of a file that holds `image`; see `write_exr`."""
     pixels = check(image)
     if half and not fits_half(pixels):
         largest = np.abs(pixels[np.isfinite(pixels)]).max()
-        raise ValueError(f"{path}: {largest:g} does not fit a half float; write float32")
-    _write_channels(Path(path), {"RGB": pixels.astype(np.float16) if half else pixels})
+        raise ValueError(f"{largest:g} does not fit a half float; write float32")
+    return {"RGB": pixels.astype(np.float16) if half else pixels}
 
 
 def read_flip_maps(path: Path | str) -> tuple[Image, Image]:
-    """Read the two FLIP maps that `write_flip_maps` wrote.
+    """Read two FLIP maps.
 
     Returns
     -------
@@ -127,34 +139,27 @@ def read_flip_maps(path: Path | str) -> tuple[Image, Image]:
     return ldr, hdr
 
 
-def write_flip_maps(path: Path | str, ldr: npt.ArrayLike, hdr: npt.ArrayLike) -> None:
-    """Write two FLIP maps as the half-float channels `ldr` and `hdr` of one OpenEXR file.
-
-    An existing file is replaced atomically.
+def flip_channels(ldr: npt.ArrayLike, hdr: npt.ArrayLike) -> Channels:
+    """Return the half-float channels `ldr` and `hdr` of a file that holds two FLIP maps.
 
     Parameters
     ----------
-    path : path
-        Missing folders are created.
     ldr, hdr : array, shape (h, w)
         FLIP errors of the displayed image and of HDR-FLIP, in [0, 1].
 
     Raises
     ------
-    UsageError
-        If the file cannot be written.
     ValueError
         If the maps are not two arrays of one size.
     """
     maps = [np.asarray(errors) for errors in (ldr, hdr)]
     if maps[0].ndim != 2 or maps[0].shape != maps[1].shape or not maps[0].size:
         raise ValueError(f"FLIP maps are {maps[0].shape} and {maps[1].shape}; both must be (h, w)")
-    halves = [errors.astype(np.float16) for errors in maps]
-    _write_channels(Path(path), dict(zip(_MAP_CHANNELS, halves, strict=True)))
+    return {name: item.astype(np.float16) for name, item in zip(_MAP_CHANNELS, maps, strict=True)}
 
 
-def _read_channels(path: Path) -> dict[str, npt.NDArray[Any]]:
-    """Return all channels of an OpenEXR file; R, G and B are one entry."""
+def _read_channels(path: Path) -> Channels:
+    """Return all channels of an OpenEXR file."""
     import OpenEXR
 
     if not path.is_file():
@@ -166,17 +171,26 @@ def _read_channels(path: Path) -> dict[str, npt.NDArray[Any]]:
         raise UsageError(f"{path} is not a readable OpenEXR image; render it again") from error
 
 
-def _write_channels(path: Path, channels: Mapping[str, npt.NDArray[Any]]) -> None:
+def write_channels(path: Path, channels: Channels) -> None:
+    """Write a ZIP-compressed OpenEXR file; a failure may leave a part of it.
+
+    Raises
+    ------
+    OSError
+        If the file cannot be written.
+    """
     import OpenEXR
 
     # The binding modifies the header, and silently misreads arrays that are not C-contiguous.
     header = {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage}
     file = OpenEXR.File(header, {k: np.ascontiguousarray(v) for k, v in channels.items()})
-    with replacing(path) as partial:
-        try:
-            file.write(str(partial))
-        except RuntimeError as error:
-            raise OSError(str(error)) from error
+    try:
+        file.write(str(path))
+    except RuntimeError as error:
+        # OpenEXR knows the reason only as text.
+        full = os.strerror(errno.ENOSPC)
+        reason = (errno.ENOSPC, full) if full in str(error) else (errno.EIO, str(error))
+        raise OSError(*reason) from error
 
 
 def to_srgb(linear: npt.ArrayLike, exposure: float) -> Image:

@@ -14,6 +14,7 @@ from oitbench.matrix.cell import Cell, choose_effects
 from oitbench.method.ablation import EACH, REQUESTED, effects_axis
 from oitbench.method.declaration import Method
 from oitbench.plugins import Collection
+from oitbench.results.schema import EXACT, PATH_TRACED
 
 
 @dataclass(frozen=True)
@@ -148,8 +149,9 @@ def plan_matrix(
     collection = Collection.load(folders)
     scene_labels = collection.expand_scenes(scenes or _preset_scenes(collection, chosen))
     chosen_methods = collection.expand_methods(methods or _preset_methods(collection, chosen))
+    truths = (EXACT, PATH_TRACED) if chosen.path_traced else (EXACT,)
     cells = tuple(
-        Cell(scene, method.label, size, ssaa, effect, seed, chosen.permutations)
+        Cell(scene, method.label, size, ssaa, effect, seed, chosen.permutations, truths)
         for scene in scene_labels
         for method, axis in _expand_effects(collection, scene, chosen_methods, effects)
         for effect in axis

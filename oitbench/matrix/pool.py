@@ -12,7 +12,7 @@ from typing import IO, TypeVar
 
 import msgspec
 
-from oitbench.errors import CapabilityError, OitbenchError
+from oitbench.errors import CapabilityError, OitbenchError, StorageError
 from oitbench.matrix.worker import Hello, Refusal, Reply, Request, Settings
 
 _START_SECONDS = 120.0
@@ -82,8 +82,8 @@ class WorkerProcess:
             raise WorkerError(f"the worker process ended with code {code}", timeout=False)
         reply: Reply = self._decoder.decode(line)
         if isinstance(reply, Refusal):
-            kind = CapabilityError if reply.kind == "CapabilityError" else OitbenchError
-            raise kind(reply.message)
+            kinds = {kind.__name__: kind for kind in (CapabilityError, StorageError)}
+            raise kinds.get(reply.kind, OitbenchError)(reply.message)
         return reply
 
     def _start(self) -> None:

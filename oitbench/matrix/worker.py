@@ -18,7 +18,7 @@ from oitbench.errors import OitbenchError
 from oitbench.matrix.bench import Bench
 from oitbench.matrix.cell import Cell
 from oitbench.plugins import Collection
-from oitbench.results.schema import Record, Renderer, Time
+from oitbench.results.schema import Fingerprints, Record, Renderer, Time
 
 
 class Settings(Struct, frozen=True):
@@ -33,11 +33,16 @@ class Hello(Struct, frozen=True, tag=True):
     """Asks for a greeting."""
 
 
+class IdentifyCells(Struct, frozen=True, tag=True):
+    """Asks for the fingerprints of the cells of one scene."""
+
+    cells: list[Cell]
+
+
 class RunCell(Struct, frozen=True, tag=True):
     """Asks for one rendered and scored cell."""
 
     cell: Cell
-    path_traced: bool
 
 
 class TimeCells(Struct, frozen=True, tag=True):
@@ -52,6 +57,12 @@ class Greeting(Struct, frozen=True, tag=True):
     """The renderer of the worker."""
 
     gl: Renderer
+
+
+class CellsIdentified(Struct, frozen=True, tag=True):
+    """Fingerprints in the order of the request; None for a scene or a method that is broken."""
+
+    fingerprints: list[Fingerprints | None]
 
 
 class CellDone(Struct, frozen=True, tag=True):
@@ -75,17 +86,17 @@ class Refusal(Struct, frozen=True, tag=True):
     kind: str
 
 
-Request = Hello | RunCell | TimeCells
-Reply = Greeting | CellDone | CellsTimed | Refusal
+Request = Hello | IdentifyCells | RunCell | TimeCells
+Reply = Greeting | CellsIdentified | CellDone | CellsTimed | Refusal
 
 
 def _answer(bench: Bench, request: Request) -> Reply:
     if isinstance(request, Hello):
-        device = bench.device
-        vendor = str(device.context.info["GL_VENDOR"])
-        return Greeting(Renderer(device.renderer, vendor, device.version, device.software))
+        return Greeting(bench.gl)
+    if isinstance(request, IdentifyCells):
+        return CellsIdentified([bench.identities.find(cell) for cell in request.cells])
     if isinstance(request, RunCell):
-        record = bench.run(request.cell, request.path_traced)
+        record = bench.run(request.cell)
         return CellDone(record, bench.watch.take())
     times = bench.time(request.cells, request.rounds, request.budget)
     return CellsTimed(times, bench.watch.take())

@@ -9,11 +9,11 @@ from typing import Any
 
 import numpy as np
 import pytest
+from oitbench.path_traced.references.fingerprint import fingerprint
 
 from oitbench.errors import UsageError
 from oitbench.path_traced.references import lookup, rendering, storage
 from oitbench.path_traced.references.check import check
-from oitbench.path_traced.references.fingerprint import fingerprint
 from oitbench.path_traced.references.storage import Reference, ReferenceInfo
 from oitbench.path_traced.references.z_test import z_test
 from oitbench.path_traced.trace.render import Estimate
