@@ -8,8 +8,21 @@ from collections.abc import Iterable
 from pathlib import Path
 
 
+def printable(text: str) -> str:
+    """Return `text` as one line that every terminal and every UTF-8 file can hold.
+
+    Line breaks become blanks. Control characters, and bytes of file names that are not UTF-8,
+    become escapes.
+    """
+    kept = (c if c.isprintable() else " " if c.isspace() else ascii(c)[1:-1] for c in text)
+    return "".join(kept)
+
+
 class OitbenchError(Exception):
     """Base of all errors that a user can fix; the command line prints it and exits with 2."""
+
+    def __init__(self, message: str) -> None:
+        super().__init__(printable(message))
 
 
 class UsageError(OitbenchError):
@@ -50,26 +63,28 @@ def unknown(kind: str, name: str, known: Iterable[str]) -> UsageError:
     return UsageError(f"unknown {kind} '{name}'; {hint}")
 
 
-def locate(error: BaseException, file: Path) -> str:
+def locate(error: BaseException, file: Path | None = None) -> str:
     """Return a plugin's error as one line: file, line, kind, message and near names.
 
     Parameters
     ----------
     error : BaseException
         Raised by code of `file`, or by code that it called.
-    file : Path
+    file : Path, optional
+        Default: the file in which it was raised.
     """
+    frames = traceback.extract_tb(error.__traceback__)
     if isinstance(error, SyntaxError):
         source = f": {error.text.strip()}" if error.text else ""
-        return f"{file}:{error.lineno}: SyntaxError: {error.msg}{source}"
-    frames = traceback.extract_tb(error.__traceback__)
-    lines = [frame.lineno for frame in frames if frame.filename == str(file)]
-    place = f"{file}:{lines[-1]}" if lines else str(file)
+        return f"{file or error.filename}:{error.lineno}: SyntaxError: {error.msg}{source}"
+    name = str(file) if file is not None else frames[-1].filename
+    lines = [frame.lineno for frame in frames if frame.filename == name]
+    place = f"{name}:{lines[-1]}" if lines else name
     text = str(error) if isinstance(error, OitbenchError) else f"{type(error).__name__}: {error}"
     known: Iterable[str] = ()
     if isinstance(error, AttributeError) and error.obj is not None:
         known = dir(error.obj)
-    name = getattr(error, "name", None)
-    near = difflib.get_close_matches(name, known, n=1) if name else []
+    wrong = getattr(error, "name", None)
+    near = difflib.get_close_matches(wrong, known, n=1) if wrong else []
     hint = f"; did you mean {near[0]}?" if near else ""
     return f"{place}: {' '.join(text.split())}{hint}"

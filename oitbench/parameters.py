@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -41,6 +42,13 @@ class Parameter(Generic[V]):
     high: float | None = None
     grid: tuple[V, ...] = ()
     help: str = ""
+
+    def __post_init__(self) -> None:
+        for value in (self.default, *self.choices, *self.grid):
+            finite = not isinstance(value, float) or math.isfinite(value)
+            if type(value) not in (bool, int, float, str) or not finite:
+                allowed = "a finite number, true, false or text"
+                raise UsageError(f"a value of a parameter is {value!r}; it must be {allowed}")
 
     @overload
     def __get__(self, instance: None, owner: type) -> Parameter[V]: ...

@@ -1,4 +1,4 @@
-"""Finds methods, scenes and reports by path, wherever the package is installed."""
+"""Loads methods, scenes and reports from their files into this process."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import importlib.util
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from importlib.metadata import entry_points
+from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 from types import ModuleType
 from typing import Any, TypeVar
@@ -19,14 +19,14 @@ from oitbench.errors import (
     SceneError,
     UsageError,
     locate,
-    unknown,
+    printable,
 )
 from oitbench.method.declaration import Method
-from oitbench.parameters import AnyParameter, Value
+from oitbench.parameters import AnyParameter, Parameter, Value
+from oitbench.places import GROUP, Names, Places, own_folder
 from oitbench.scene import Scene
 
 Plugin = TypeVar("Plugin")
-KINDS = ("methods", "scenes", "reference", "reports")
 
 
 @dataclass(frozen=True)
@@ -57,27 +57,12 @@ class Plugins(Mapping[str, Plugin]):
     name raises `UsageError` with near names, or `DeclarationError` if its file fails.
     """
 
-    def __init__(self, kind: str, load: Callable[[Path], Plugin]) -> None:
-        self.kind, self._load = kind, load
-        self._paths: dict[str, Path] = {}
+    def __init__(self, paths: Names, load: Callable[[Path], Plugin]) -> None:
+        self._paths, self._load = paths, load
         self._loaded: dict[str, Plugin] = {}
-
-    def add(self, name: str, path: Path) -> None:
-        """Add the plugin of `path`.
-
-        Raises
-        ------
-        UsageError
-            Another file already has that name.
-        """
-        known = self._paths.setdefault(name, path)
-        if known != path:
-            raise UsageError(f"two {self.kind}s are named '{name}': {known} and {path}; rename one")
 
     def path(self, name: str) -> Path:
         """Return the file of the plugin `name`."""
-        if name not in self._paths:
-            raise unknown(self.kind, name, self._paths)
         return self._paths[name]
 
     def __getitem__(self, name: str) -> Plugin:
@@ -90,14 +75,19 @@ class Plugins(Mapping[str, Plugin]):
         return name in self._paths
 
     def __iter__(self) -> Iterator[str]:
-        return iter(sorted(self._paths))
+        return iter(self._paths)
 
     def __len__(self) -> int:
         return len(self._paths)
 
 
 class Collection:
-    """All plugins that can be used by name.
+    """All plugins that can be used by name, loaded into this process when they are used.
+
+    Parameters
+    ----------
+    places : Places
+        Where their files are.
 
     Attributes
     ----------
@@ -108,11 +98,11 @@ class Collection:
         Collection folders; each may have `methods`, `scenes`, `reference`, `reports` and `glsl`.
     """
 
-    def __init__(self) -> None:
-        self.methods: Plugins[type[Method]] = Plugins("method", _load_method)
-        self.scenes: Plugins[ScenePlugin] = Plugins("scene", _load_scene)
-        self.reports: Plugins[ModuleType] = Plugins("report", _load)
-        self.folders: list[Path] = []
+    def __init__(self, places: Places) -> None:
+        self.places, self.folders = places, places.folders
+        self.methods: Plugins[type[Method]] = Plugins(places.methods, _load_method)
+        self.scenes: Plugins[ScenePlugin] = Plugins(places.scenes, _load_scene)
+        self.reports: Plugins[ModuleType] = Plugins(places.reports, _load_report)
 
     @classmethod
     def load(cls, extra: Iterable[Path] = ()) -> Collection:
@@ -122,51 +112,22 @@ class Collection:
         ------
         UsageError
             A folder does not exist or is no collection, or two plugins have one name.
+        DeclarationError
+            An installed collection cannot be imported.
         """
-        collection = cls()
-        for folder in (own_folder(), *_installed(), *map(Path, extra)):
-            collection.add(folder)
-        return collection
-
-    def add(self, folder: Path) -> None:
-        """Add the plugins of one collection folder."""
-        folder = folder.resolve()
-        if not any((folder / kind).is_dir() for kind in KINDS):
-            raise UsageError(f"{folder} is no collection; it has none of {', '.join(KINDS)}")
-        if folder in self.folders:
-            return
-        self.folders.append(folder)
-        for path in _children(folder / "methods", "*/method.py"):
-            self.methods.add(path.parent.name, path)
-        for path in _children(folder / "scenes", "*.py"):
-            self.scenes.add(path.stem, path)
-        for path in _children(folder / "reports", "*.py"):
-            self.reports.add(path.stem, path)
-
-    def add_method(self, folder: Path) -> type[Method]:
-        """Add the method of one folder, which holds `method.py` and its shaders."""
-        path = folder.resolve() / "method.py"
-        if not path.is_file():
-            raise UsageError(f"{folder} is no method; it has no method.py")
-        self.methods.add(path.parent.name, path)
-        return self.methods[path.parent.name]
+        installed = map(installed_folder, installed_collections())
+        return cls(Places((own_folder(), *installed, *map(Path, extra))))
 
     def expand_methods(self, texts: Iterable[str]) -> list[Method]:
-        """Return all methods that the selectors `NAME[param=v,w]` or `FOLDER[param=v]` select.
-
-        A known name takes precedence over a folder of that name in the working directory.
-        """
+        """Return all methods that the selectors `NAME[param=v,w]` or `FOLDER[param=v]` select."""
         chosen: dict[str, Method] = {}
         for text in texts:
             parsed = selectors.parse(text)
-            folder = Path(parsed.name)
-            here = parsed.name not in self.methods and (folder / "method.py").is_file()
-            if "/" in parsed.name or here:
-                method = self.add_method(folder)
-            else:
-                method = self.methods[parsed.name]
-            parsed = selectors.Selector(method.name, parsed.grid)
-            for values in selectors.expand(parsed, method.parameters):
+            name = self.places.find_method(parsed.name)
+            method = self.methods[name]
+            for values in selectors.expand(
+                selectors.Selector(name, parsed.grid), method.parameters
+            ):
                 item = method(**values)
                 chosen[item.label] = item
         return list(chosen.values())
@@ -203,7 +164,7 @@ class Collection:
             scene = plugin.build(name=label, **values)
         except (CapabilityError, UsageError):
             raise
-        except Exception as error:
+        except (Exception, SystemExit) as error:
             message = locate(error, path)
             owner = f"scene {label}: "
             raise SceneError(message if owner in message else f"{owner}{message}") from error
@@ -226,29 +187,24 @@ class Collection:
         raise UsageError("the suite has no method that serves as the exact truth; reinstall it")
 
 
-def own_folder() -> Path:
-    """Return the suite's own collection: inside an installed package, else the checkout."""
-    package = Path(__file__).resolve().parent
-    inside = package / "collection"
-    return inside if inside.is_dir() else package.parent
+def installed_collections() -> list[str]:
+    """Return the objects `MODULE:NAME` that installed packages register as collections."""
+    return [entry.value for entry in entry_points(group=GROUP)]
 
 
-def _installed() -> Iterator[Path]:
-    """Yield the folders that installed packages register as `oitbench.collections`."""
-    for entry in entry_points(group="oitbench.collections"):
-        value: Any = entry.load()
-        if isinstance(value, ModuleType):
-            yield Path(str(value.__path__[0]))
-        else:
-            yield Path(str(value))
+def installed_folder(value: str) -> Path:
+    """Return the folder of an installed collection; its package is imported.
 
-
-def _children(folder: Path, pattern: str) -> list[Path]:
-    return [
-        path
-        for path in sorted(folder.glob(pattern))
-        if not path.name.startswith("_") and not path.parent.name.startswith("_")
-    ]
+    Raises
+    ------
+    DeclarationError
+        The package cannot be imported.
+    """
+    try:
+        found: Any = EntryPoint(value, value, GROUP).load()
+    except (Exception, SystemExit) as error:
+        raise DeclarationError(locate(error)) from error
+    return Path(str(found.__path__[0] if isinstance(found, ModuleType) else found))
 
 
 def _load(path: Path) -> ModuleType:
@@ -265,7 +221,7 @@ def _load(path: Path) -> ModuleType:
     sys.modules[name] = module
     try:
         specification.loader.exec_module(module)
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         del sys.modules[name]
         raise DeclarationError(locate(error, path)) from error
     return module
@@ -287,7 +243,7 @@ def _load_method(path: Path) -> type[Method]:
         raise DeclarationError(
             f"{path}: only the suite's own method can be the truth; drop 'truth'"
         )
-    method.name = folder.name
+    method.name = _checked_name(path, folder.name)
     _check_class(path, method)
     method.__doc__ = module.__doc__
     shared = folder.parent.parent / "glsl"
@@ -311,10 +267,35 @@ def _check_class(path: Path, method: type[Method]) -> None:
 
 def _load_scene(path: Path) -> ScenePlugin:
     module = _load(path)
-    for member in ("parameters", "build"):
-        if not hasattr(module, member):
-            raise DeclarationError(f"{path}: defines no '{member}'; every scene needs one")
+    _require(module, path, "scene", "parameters", "build")
+    parameters = module.parameters
+    if not isinstance(parameters, Mapping) or not all(
+        isinstance(key, str) and isinstance(item, Parameter) for key, item in parameters.items()
+    ):
+        raise DeclarationError(f"{path}: parameters is {parameters!r}; map names to oit.Parameter")
     return ScenePlugin(
-        path.stem, module.__doc__ or "", module.parameters, module.build,
+        _checked_name(path, path.stem), module.__doc__ or "", parameters, module.build,
         getattr(module, "quick", True),
     )  # fmt: skip
+
+
+def _load_report(path: Path) -> ModuleType:
+    module = _load(path)
+    _require(module, path, "report", "title", "build")
+    return module
+
+
+def _checked_name(path: Path, name: str) -> str:
+    """Return the name of a plugin; raise `DeclarationError` if no record could hold it."""
+    if printable(name) != name:
+        raise DeclarationError(
+            f"{path}: the name is not printable UTF-8; rename the file or folder"
+        )
+    return name
+
+
+def _require(module: ModuleType, path: Path, kind: str, *members: str) -> None:
+    """Raise `DeclarationError` unless a plugin defines all of these members."""
+    for member in members:
+        if not hasattr(module, member):
+            raise DeclarationError(f"{path}: defines no '{member}'; every {kind} needs one")

@@ -23,9 +23,10 @@ from oitbench.report import (
     figures,
     labels,
     palette,
+    times,
     write_table,
 )
-from oitbench.report.artifacts import Row
+from oitbench.report.artifacts import Marked, Row
 from oitbench.report.cells import effect_label, effect_labels, most_complete
 from oitbench.report.effect_costs import EffectCost, SavedTime, effect_costs
 from oitbench.results.records import Panel
@@ -111,10 +112,11 @@ def _figure(context: ReportContext, marks: Sequence[tuple[Panel, Sequence[Mark]]
         methods = ", ".join(dict.fromkeys(chosen))
         caption = (
             "Each mark is one effect. Cost: the frame time in ms that leaving the effect out saves,"
-            f" with its bootstrap 95 % interval. Gain: the increase of the mean {context.flip} "
+            f" with its interval. Gain: the increase of the mean {context.flip} "
             "against path tracing when the effect is left out; above zero, the picture is better "
             f"with the effect. {ties}Filled marks with names: the method that misses the fewest "
             f"effects of a scene ({methods}); hollow marks: the other methods."
+            + times.explain(mark.cost.ablation.complete for _, shown in marks for mark in shown)
         )
         return figures.save(
             figure, context.out / "ablation", title="Gain and cost", caption=caption
@@ -129,7 +131,7 @@ def _draw(axes: Axes, marks: Sequence[Mark]) -> None:
         figures.add_mark(
             axes,
             mark.place,
-            (mark.time.low, mark.time.high) if mark.chosen else None,
+            mark.time.ends if mark.chosen else None,
             marker="o",
             size=7 if mark.chosen else 5,
             color=mark.color,
@@ -146,7 +148,7 @@ def _draw(axes: Axes, marks: Sequence[Mark]) -> None:
 
 def _set_limits(axes: Axes, marks: Sequence[Mark]) -> None:
     """Include all marks and zero, with room for labels."""
-    ends = [end for mark in marks for end in mark.time]
+    ends = [end for mark in marks for end in mark.time if end is not None]
     gains = [mark.gain for mark in marks]
     left, right = min(0.0, *ends), max(0.0, *ends)
     bottom, top = min(0.0, *gains), max(0.0, *gains)
@@ -159,10 +161,9 @@ def _add_labels(axes: Axes, marks: Sequence[Mark]) -> None:
     written = [
         labels.Label(
             *mark.place,
-            mark.cost.effect,
+            times.signed(mark.cost.effect, mark.cost.disturbed),
             palette.ink(mark.color),
-            mark.time.low,
-            mark.time.high,
+            *(mark.time.ends or (mark.time.median, mark.time.median)),
             bold=mark.cost.verdict != "tie",
         )
         for mark in marks
@@ -181,7 +182,7 @@ def _rows(panel: Panel, costs: Sequence[EffectCost], flip: str) -> Iterator[Row]
             cost.method,
             cost.effect,
             effect_labels(ablation.implied),
-            *(cost.time or (None, None, None)),
+            *_saved(cost),
             cost.memory / MEBIBYTE,
             cost.traffic / MEGABYTE,
             ablation.complete.metric(PATH_TRACED, flip),
@@ -192,6 +193,12 @@ def _rows(panel: Panel, costs: Sequence[EffectCost], flip: str) -> Iterator[Row]
         )
 
 
+def _saved(cost: EffectCost) -> list[float | None]:
+    """Return the saved time and its interval, with a sign if other processes disturbed it."""
+    values = cost.time or (None, None, None)
+    return [value if value is None or not cost.disturbed else Marked(value) for value in values]
+
+
 def _table(context: ReportContext, rows: Sequence[Row]) -> Artifact:
     flip = context.flip
     traced = f"mean {flip} against path tracing"
@@ -200,9 +207,9 @@ def _table(context: ReportContext, rows: Sequence[Row]) -> Artifact:
         columns.METHOD,
         Column("left_out", "Left out", kind="text"),
         Column("also_left_out", "Also left out", kind="text", help="depends on the effect"),
-        Column("saved_ms", "Saves", "ms", help="difference of the median frame times"),
-        Column("saved_ms_low", "Low", "ms", help="lower end of its bootstrap 95 % interval"),
-        Column("saved_ms_high", "High", "ms", help="upper end of its bootstrap 95 % interval"),
+        Column("saved_ms", "Saves", "ms", help="median difference of the frame times"),
+        Column("saved_ms_low", "Low", "ms", help="lower end of its interval"),
+        Column("saved_ms_high", "High", "ms", help="upper end of its interval"),
         Column("saved_mib", "Memory", "MiB", help="saved memory, shared shading included"),
         Column(
             "saved_mb", "Traffic", "MB", help="saved bytes per frame, 10^6; with shared shading"
@@ -217,6 +224,7 @@ def _table(context: ReportContext, rows: Sequence[Row]) -> Artifact:
         "Savings in frame time, memory and traffic when one effect is left out, and the gain in "
         f"{flip} against path tracing that the effect brings. Negative savings are costs; small "
         "differences in time are noise, as their intervals show."
+        + times.explain(context.results.records)
     )
     return write_table(
         context.out / "ablation.csv",

@@ -1,10 +1,12 @@
-"""Frame time against FLIP error, one figure per scene.
+"""Method time against FLIP error, one figure per scene.
 
 There are two truths: exact compositing of the same fragments, and path tracing of the same scene.
-The gray line is the Pareto front: the methods for which no other method is both faster and at least
-as accurate. Error bars are the bootstrap 95 % interval of the median frame time. The shaded band
-above the lowest path-traced error is as high as the noise floor of the path-traced reference:
-methods in the band are tied.
+Method time is everything that a method adds to a frame: sorting, uploading what was sorted, and all
+of its passes. Shadow maps, ambient occlusion and the opaque picture are the same for all methods;
+they are timed apart, and the table adds them up to the frame time. The gray line is the Pareto
+front: the methods for which no other method is both faster and at least as accurate. Error bars are
+intervals that hold the true median with at least 95 %. The shaded band above the lowest path-traced
+error is as high as the noise floor of the path-traced reference: methods in the band are tied.
 """
 
 from __future__ import annotations
@@ -21,20 +23,24 @@ from oitbench.report import (
     Note,
     ReportContext,
     columns,
+    decimal,
     figures,
     labels,
     palette,
+    times,
     write_table,
 )
 from oitbench.report.artifacts import Row
 from oitbench.report.cells import largest_noise_floor
 from oitbench.results.records import Panel
-from oitbench.results.schema import PATH_TRACED, TRUTHS, Interval
+from oitbench.results.schema import PATH_TRACED, TRUTHS
+from oitbench.results.table import flat_times
+from oitbench.results.times import Interval, Time
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-title = "Accuracy against frame time"
+title = "Accuracy against method time"
 order = 10
 
 # Below the smallest error, the axis is linear down to zero, the error of exact methods.
@@ -45,16 +51,26 @@ _NARROW = 5
 
 @dataclass(frozen=True)
 class Point:
-    """Frame time and error of one method."""
+    """Times and error of one method."""
 
     method: str
-    time: Interval
+    times: Time
     error: float
 
     @property
+    def time(self) -> Interval:
+        """Method time in milliseconds."""
+        return self.times.method_ms
+
+    @property
     def place(self) -> tuple[float, float]:
-        """Median frame time in milliseconds, and error."""
+        """Median method time in milliseconds, and error."""
         return self.time.median, self.error
+
+    @property
+    def label(self) -> str:
+        """The method, with a sign if other processes disturbed its times."""
+        return times.signed(self.method, self.times.block.disturbed)
 
 
 def build(context: ReportContext) -> list[Artifact]:
@@ -65,7 +81,7 @@ def build(context: ReportContext) -> list[Artifact]:
         known = {truth: _points(panel, truth, context.flip) for truth in TRUTHS}
         points = {truth: found for truth, found in known.items() if found}
         if not points:
-            drawn.append(Note(f"{panel.title}: no method has both a frame time and an error yet."))
+            drawn.append(Note(f"{panel.title}: no method has both a time and an error yet."))
             continue
         drawn.append(_figure(context, panel, points))
         rows += _rows(panel, points)
@@ -76,7 +92,8 @@ def build(context: ReportContext) -> list[Artifact]:
                 _columns(context.flip),
                 rows,
                 title="All points",
-                caption=f"Frame times and mean {context.flip} of the figures above.",
+                caption=f"Times and mean {context.flip} of the figures above. Frame time is the "
+                "median sum of method time and shading." + times.explain(context.results.records),
                 collapsed=True,
             )
         )
@@ -97,7 +114,7 @@ def _points(panel: Panel, truth: str, metric: str) -> list[Point]:
     for cell in panel.finished:
         error = cell.metric(truth, metric)
         if cell.time is not None and error is not None:
-            found.append(Point(cell.method, cell.time.frame_ms, error))
+            found.append(Point(cell.method, cell.time, error))
     return found
 
 
@@ -109,7 +126,7 @@ def _figure(context: ReportContext, panel: Panel, points: Mapping[str, list[Poin
             axes.set_title(f"Truth: {TRUTHS[truth]}")
         if PATH_TRACED in points:
             _add_ties(grid[-1], panel, points[PATH_TRACED], context.flip)
-        grid[-1].set_xlabel("frame time, ms (logarithmic)")
+        grid[-1].set_xlabel(_axis_label(points))
         # Labels need the final layout.
         for axes, shown in zip(grid, points.values(), strict=True):
             _add_labels(axes, context, shown)
@@ -121,6 +138,13 @@ def _figure(context: ReportContext, panel: Panel, points: Mapping[str, list[Poin
         )
 
 
+def _axis_label(points: Mapping[str, list[Point]]) -> str:
+    shown = [point for found in points.values() for point in found]
+    disturbed = any(point.times.block.disturbed for point in shown)
+    note = f"; {times.SHORT_EXPLANATION}" if disturbed else ""
+    return f"method time, ms (logarithmic{note})"
+
+
 def _draw(axes: Axes, context: ReportContext, points: Sequence[Point]) -> None:
     best = front(points)
     _set_scales(axes, points)
@@ -130,7 +154,7 @@ def _draw(axes: Axes, context: ReportContext, points: Sequence[Point]) -> None:
         figures.add_mark(
             axes,
             point.place,
-            (point.time.low, point.time.high),
+            point.time.ends,
             marker=style.marker,
             size=7,
             color=style.color,
@@ -146,10 +170,12 @@ def _set_scales(axes: Axes, points: Sequence[Point]) -> None:
     """Set logarithmic axes; the axis of errors gets a linear part down to zero if needed."""
     from matplotlib.ticker import LogLocator, NullLocator
 
-    times = [point.time.median for point in points]
+    medians = [point.time.median for point in points]
     axes.set_xscale("log")
-    axes.set_xlim(min(times) / 1.4, max(times) * 1.9)
-    narrow = max(times) < _NARROW * min(times)
+    ends = [end for point in points for end in point.time.ends or ()]
+    left = min([min(medians) / 1.4, *(end / 1.1 for end in ends)])
+    axes.set_xlim(left, max([max(medians) * 1.9, *(end * 1.1 for end in ends)]))
+    narrow = max(medians) < _NARROW * min(medians)
     axes.xaxis.set_major_locator(LogLocator(subs=range(1, 10) if narrow else (1, 2, 5)))
     axes.xaxis.set_minor_locator(NullLocator())
     axes.xaxis.set_major_formatter("{x:g}")
@@ -205,10 +231,9 @@ def _add_labels(axes: Axes, context: ReportContext, points: Sequence[Point]) -> 
     written = [
         labels.Label(
             *point.place,
-            point.method,
+            point.label,
             palette.ink(context.style(point.method).color),
-            point.time.low,
-            point.time.high,
+            *(point.time.ends or (point.time.median, point.time.median)),
             bold=point in best,
         )
         for point in ordered
@@ -222,29 +247,35 @@ def _caption(context: ReportContext, panel: Panel, points: Mapping[str, list[Poi
     shown = {point.method for found in points.values() for point in found}
     absent = [cell.method for cell in panel.cells if cell.method not in shown]
     parts = [
-        f"Median frame time in ms with its 95 % interval on {results.renderer} ({kind}) against "
+        f"Median method time in ms with its interval on {results.renderer} ({kind}) against "
         f"the mean of {context.flip}. Methods at the lower left are best. Gray line and bold "
-        "names: the Pareto front.",
+        f"names: the Pareto front.{_shading(points)}",
     ]
     if PATH_TRACED not in points:
         parts.append("The scene has no errors against path tracing.")
     if absent:
-        parts.append(f"Not shown, without a frame time or an error: {', '.join(absent)}.")
-    return " ".join(parts)
+        parts.append(f"Not shown, without a time or an error: {', '.join(absent)}.")
+    return " ".join(parts) + times.explain(panel.cells)
+
+
+def _shading(points: Mapping[str, list[Point]]) -> str:
+    """Return a sentence about the time of shading, which all methods share."""
+    medians = [point.times.shading_ms.median for found in points.values() for point in found]
+    low, high = (decimal(value) for value in (min(medians), max(medians)))
+    several = low if low == high else f"{low} to {high}"
+    return f" Shading that all methods share takes {several} ms more."
 
 
 def _rows(panel: Panel, points: Mapping[str, list[Point]]) -> Iterator[Row]:
     for truth, found in points.items():
         best = front(found)
         for point in found:
-            time = point.time
+            values = times.marked(flat_times(point.times), point.times)
             yield (
                 panel.title,
                 point.method,
                 TRUTHS[truth],
-                time.median,
-                time.low,
-                time.high,
+                *(values[column.key] for column in columns.TIMES),
                 point.error,
                 "yes" if point in best else "",
             )
@@ -255,7 +286,7 @@ def _columns(flip: str) -> tuple[Column, ...]:
         columns.SCENE,
         columns.METHOD,
         Column("truth", "Truth", kind="text"),
-        *columns.FRAME_TIME,
+        *columns.TIMES,
         Column(flip, "FLIP", decimals=4, help=f"mean {flip} against the truth"),
         Column("pareto", "On the front", kind="text"),
     )

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from oitbench.image import metrics
-from oitbench.report import Artifact, Column, ReportContext, columns, write_table
+from oitbench.report import Artifact, Column, ReportContext, columns, times, write_table
 from oitbench.report.artifacts import Row
 from oitbench.report.cells import effect_labels, largest_noise_floor
 from oitbench.results.records import Panel
@@ -36,7 +36,9 @@ def build(context: ReportContext) -> list[Artifact]:
         "Click on a heading to sort. The status is unstable if pixels are NaN, infinite or "
         "negative; there are no metrics if a pixel is not finite. Equal ranks, marked with =, are "
         "ties: the errors differ by no more than the noise floor of the path-traced reference. "
-        "Cells with effects left out have no rank."
+        "Cells with effects left out have no rank. Method time is everything that a method adds to "
+        "a frame, its sorting included. Shading is the same for all methods of a scene, and frame "
+        "time is the median sum of both." + times.explain(context.results.records)
     )
     return [
         write_table(context.out / "table.csv", heading, rows, title="All cells", caption=caption)
@@ -80,7 +82,7 @@ def _row(
     rank: str | None = None,
     left_out: str = "",
 ) -> Row:
-    values = flat(cell) | {
+    values = times.marked(flat(cell), cell.time) | {
         "scene": panel.title,
         "left_out": left_out,
         "path_traced.rank": rank,
@@ -121,7 +123,8 @@ def _columns(flip: str) -> tuple[Column, ...]:
             5,
             "mean linear difference between random orders of the draws",
         ),
-        *columns.FRAME_TIME,
+        *columns.TIMES,
+        Column("foreign_percent", "Others", "%", help="CPU time of other processes meanwhile"),
         Column("memory_mib", "Memory", "MiB", help="2^20 bytes"),
         Column("traffic_mb", "Traffic", "MB", help="bytes read and written per frame, 10^6 bytes"),
         Column("fragments", "Fragments", help="transparent fragments per frame"),

@@ -116,6 +116,17 @@ def render(
         return frame.image()
 
 
+def assert_same(device: Device, found: Image, expected: Image, chosen: str, layers: int) -> None:
+    """Assert that two images of the same fragments are equal.
+
+    Software renderers keep the order of fragments, so every bit must be equal. GPUs add fragments
+    to lists in any order, and compile other programs to other roundings.
+    """
+    largest = max(1.0, float(np.abs(expected).max()))
+    allowed = 0.0 if device.software else rounding(method(chosen), layers, largest)
+    np.testing.assert_allclose(found, expected, rtol=0, atol=allowed)
+
+
 def assert_order_independent(frame: Frame, orders: int) -> None:
     """Assert that random orders of the draws give the same image, bit for bit."""
     frame.render()

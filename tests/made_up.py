@@ -15,7 +15,6 @@ from oitbench.results.schema import (
     PATH_TRACED,
     EffectNames,
     Fingerprints,
-    Interval,
     Memory,
     Nonfinite,
     Outcome,
@@ -25,10 +24,10 @@ from oitbench.results.schema import (
     RunFacts,
     Scores,
     SharedShading,
-    Time,
     Traffic,
 )
 from oitbench.results.store import Store
+from oitbench.results.times import Block, Interval, PassTime, Processor, Time
 
 VALUES: dict[str, float | None] = {
     metrics.FLIP_LDR: 0.1,
@@ -68,13 +67,49 @@ def record(method: str = "mean", scene: str = "glass[count=4]", **fields: Any) -
     """Return the record of a cell that succeeded, with other values for `fields`."""
     scores = {EXACT: Scores(dict(VALUES)), PATH_TRACED: Scores(dict(VALUES))}
     name = method.partition("[")[0]
-    time = Time(Interval(2.0, 1.9, 2.1, [2.0]), 0.0)
     outcome = outcome_of(scores, {"color": NO_IMAGE})
     made = Record(
         scene, method, name, (8, 6), 2, "requested", 1, 4, [EXACT, PATH_TRACED], "ok",
-        gl=Renderer("softly"), fingerprints=FINGERPRINTS, outcome=outcome, time=time,
+        gl=Renderer("softly"), fingerprints=FINGERPRINTS, outcome=outcome, time=timed(2.0),
     )  # fmt: skip
     return msgspec.structs.replace(made, **fields)
+
+
+def timed(
+    method_ms: float, swing: float = 0.1, sort_ms: float | None = None, foreign: float = 0.0
+) -> Time:
+    """Return times of nine rounds, beside 1 ms of shading.
+
+    Parameters
+    ----------
+    method_ms : float
+        Median time of the method in milliseconds.
+    swing : float
+        Difference between the median and the last sample.
+    sort_ms : float, optional
+        Part of sorting.
+    foreign : float
+        Share of the CPU time that other processes took.
+    """
+    steps = [swing * (number - 4) / 4 for number in range(9)]
+    method = interval_of([method_ms + step for step in steps])
+    block = Block("wall", Processor("abacus", 2, "performance"), 1.5, foreign)
+    return Time(
+        method_ms=method,
+        sort_ms=None if sort_ms is None else interval_of([sort_ms] * 9),
+        gpu_ms=None,
+        shading_ms=interval_of([1.0] * 9),
+        frame_ms=interval_of([sample + 1.0 for sample in method.samples]),
+        passes=[PassTime("peel", method)],
+        shading=[PassTime("opaque picture", interval_of([1.0] * 9))],
+        block=block,
+    )
+
+
+def interval_of(samples: list[float]) -> Interval:
+    """Return the interval of nine samples."""
+    ordered = sorted(samples)
+    return Interval(ordered[4], ordered[1], ordered[7], 0.9609375, samples)
 
 
 def failed(method: str = "mean", reason: str = "no such shader", **fields: Any) -> Record:

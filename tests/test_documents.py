@@ -16,7 +16,7 @@ import pytest
 from oitbench.cli import VERBS
 from oitbench.gl.device import Device
 from oitbench.method.promises import PROMISES
-from oitbench.plugins import own_folder
+from oitbench.places import own_folder
 from oitbench.report import markdown
 from oitbench.results.records import Results
 from oitbench.stability import overview

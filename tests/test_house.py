@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from oitbench.plugins import own_folder
+from oitbench.places import own_folder
 
 ROOT = own_folder()
 ENGINE = ROOT / "oitbench"

@@ -151,4 +151,5 @@ def test_a_known_name_goes_before_a_folder_of_the_working_directory(
 def test_members_that_resemble_no_other_are_allowed(tmp_path: Path) -> None:
     text = METHOD.replace("    promises", "    taps = 7\n    promises")
     (tmp_path / "method.py").write_text(text)
-    assert Collection.load().add_method(tmp_path).name == tmp_path.name
+    (method,) = Collection.load().expand_methods([str(tmp_path)])
+    assert method.name == tmp_path.name

@@ -10,7 +10,8 @@ from pathlib import Path
 import pytest
 
 from oitbench.errors import DeclarationError, UsageError
-from oitbench.plugins import Collection, own_folder
+from oitbench.places import own_folder
+from oitbench.plugins import Collection
 
 METHOD = """import oitbench as oit
 
@@ -34,6 +35,14 @@ def build(*, name: str, alpha: float) -> Scene:
     return Scene(name, Camera((0, 0, 0), (0, 0, -1)), (wall,))
 '''
 
+REPORT = '''"""A report."""
+title = "Mine"
+
+
+def build(context):
+    return []
+'''
+
 
 def write_file(folder: Path, text: str) -> Path:
     """Write the folder of a method without shaders."""
@@ -52,7 +61,7 @@ def foreign(tmp_path: Path) -> Path:
         (folder / kind).mkdir()
         (folder / kind / "broken.py").write_text("this is no Python\n")
     (folder / "scenes" / "wall.py").write_text(SCENE)
-    (folder / "reports" / "mine.py").write_text('"""A report."""\n')
+    (folder / "reports" / "mine.py").write_text(REPORT)
     return folder
 
 
@@ -169,7 +178,7 @@ def test_a_file_must_define_exactly_one_method(tmp_path: Path) -> None:
     two = write_file(tmp_path / "two", METHOD + METHOD.replace("Mine", "Yours"))
     for folder, count in ((none, 0), (two, 2)):
         with pytest.raises(DeclarationError, match=f"defines {count} methods; define exactly one"):
-            Collection.load().add_method(folder)
+            Collection.load().expand_methods([str(folder)])
 
 
 def test_a_scene_must_define_its_parameters(foreign: Path) -> None:

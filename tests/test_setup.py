@@ -14,7 +14,7 @@ from pathlib import Path
 
 import pytest
 
-from oitbench.plugins import KINDS, own_folder
+from oitbench.places import KINDS, own_folder
 
 ROOT = own_folder()
 

@@ -2,8 +2,14 @@
 
 from __future__ import annotations
 
+import errno
 import importlib
+import io
+import os
+import signal
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 
 import click
 
@@ -21,6 +27,7 @@ VERBS = (
     "baseline",
     "doctor",
 )
+_FULL = (errno.ENOSPC, errno.EDQUOT, errno.EIO)
 
 
 class _Verbs(click.Group):
@@ -44,24 +51,109 @@ class _Verbs(click.Group):
         return super().resolve_command(ctx, args)
 
 
-@click.group(cls=_Verbs, context_settings={"help_option_names": ["-h", "--help"]})
+@click.group(
+    cls=_Verbs,
+    context_settings={"help_option_names": ["-h", "--help"]},
+    invoke_without_command=True,
+)
 @click.version_option(package_name="oitbench")
-def group() -> None:
+@click.pass_context
+def group(context: click.Context) -> None:
     """Benchmark order-independent transparency: accuracy, time, memory and traffic."""
+    if context.invoked_subcommand is None:
+        click.echo(context.get_help())
+
+
+class _SignalError(KeyboardInterrupt):
+    """A signal asks this process to end."""
 
 
 def main() -> None:
     """Run the command line. An error that a user can fix is one line, with exit code 2."""
+    _accept_all_characters()
+    with _signals_raised():
+        code = _run()
+    sys.exit(code)
+
+
+def _run() -> int:
+    """Run the command line and return its exit code."""
     try:
-        group.main(standalone_mode=False)
+        # `group.main` would hide a closed pipe.
+        with group.make_context("oitbench", sys.argv[1:]) as context:
+            group.invoke(context)
+        if sys.stdout is not None:
+            sys.stdout.flush()
     except click.exceptions.Exit as stop:
-        sys.exit(stop.exit_code)
+        return stop.exit_code
+    except BrokenPipeError:
+        return _end_of_pipe()
+    except SystemExit as stop:
+        # This is how rich reports a closed pipe.
+        if isinstance(stop.__context__, BrokenPipeError):
+            return _end_of_pipe()
+        raise
     except click.ClickException as error:
-        click.echo(f"oitbench: {error.format_message()}", err=True)
-        sys.exit(error.exit_code)
+        return _complain(error.format_message(), error.exit_code)
     except OitbenchError as error:
-        click.echo(f"oitbench: {error}", err=True)
-        sys.exit(2)
-    except (KeyboardInterrupt, click.exceptions.Abort):
-        click.echo("oitbench: stopped; finished cells are kept, run again to resume", err=True)
-        sys.exit(130)
+        return _complain(str(error))
+    except OSError as error:
+        if error.errno not in _FULL:
+            raise
+        _discard_output()
+        return _complain(f"the output cannot be written ({error.strerror}); free some space")
+    except (KeyboardInterrupt, click.exceptions.Abort) as error:
+        number = error.args[0] if isinstance(error, _SignalError) else signal.SIGINT
+        advice = "stopped; finished cells are kept, run again to resume"
+        return _complain(advice, 128 + number)
+    return 0
+
+
+def _complain(message: str, code: int = 2) -> int:
+    with suppress(OSError):
+        click.echo(f"oitbench: {message}", err=True)
+    return code
+
+
+def _end_of_pipe() -> int:
+    """Return the exit code of programs whose reader has gone, as in `oitbench list | head -1`."""
+    _discard_output()
+    return 128 + signal.SIGPIPE
+
+
+def _accept_all_characters() -> None:
+    """Write escapes instead of characters that the encoding of an output lacks."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")
+
+
+def _discard_output() -> None:
+    """Discard what is still buffered, which cannot be written when Python exits either."""
+    if sys.stdout is None:
+        return
+    with suppress(OSError):
+        sys.stdout.flush()
+    nothing = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(nothing, sys.stdout.fileno())
+    os.close(nothing)
+
+
+@contextmanager
+def _signals_raised() -> Iterator[None]:
+    """Raise `_SignalError` on SIGTERM and SIGHUP, so that no worker process is left behind.
+
+    A signal that is ignored, as under `nohup`, stays ignored.
+    """
+
+    def stop(number: int, frame: object) -> None:
+        raise _SignalError(number)
+
+    changed = [n for n in (signal.SIGTERM, signal.SIGHUP) if signal.getsignal(n) is signal.SIG_DFL]
+    for number in changed:
+        signal.signal(number, stop)
+    try:
+        yield
+    finally:
+        for number in changed:
+            signal.signal(number, signal.SIG_DFL)

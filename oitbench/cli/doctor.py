@@ -3,68 +3,54 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 
 import click
 
+from oitbench.catalog.catalog import Catalog
+from oitbench.catalog.messages import Kind
 from oitbench.cli import options
+from oitbench.cli.checks import Checked, CheckOpenGL, CheckPathTracer, Finding, Nothing
 from oitbench.errors import OitbenchError
+from oitbench.workers import memory
+from oitbench.workers.process import Process
+
+_SECONDS = 120.0
+_KINDS: tuple[Kind, ...] = ("method", "scene", "report")
 
 
 @click.command()
 @options.collections
 def command(collections: tuple[Path, ...]) -> None:
     """Check OpenGL, the path tracer and the plugins; exit with 1 if something is missing."""
-    well = [_gl(), _path_tracer(), _plugins(collections)]
-    sys.exit(0 if all(well) else 1)
-
-
-def _report(name: str, value: object, well: bool = True) -> bool:
-    click.echo(f"{'ok  ' if well else 'FAIL'}  {name}: {value}")
-    return well
-
-
-def _gl() -> bool:
-    from oitbench.gl.capabilities import CAPABILITIES
-    from oitbench.gl.device import Device
-
-    try:
-        device = Device()
-    except OitbenchError as error:
-        return _report("OpenGL", error, well=False)
-    _report("OpenGL", f"{device.renderer}, {device.version}")
-    kind = "software: timed by wall clock" if device.software else "hardware: timed by timestamps"
-    _report("renderer", kind)
-    _report("largest storage block", f"{device.max_block_bytes / 2**20:g} MiB")
-    for capability in CAPABILITIES:
-        _report(f"capability {capability}", "yes" if device.has(capability) else "no")
-    device.release()
-    return True
-
-
-def _path_tracer() -> bool:
-    from oitbench.path_traced import llvm
-
-    facts = llvm.describe()
-    well = facts.get("variant") is not None
-    return _report("path tracer", ", ".join(f"{k} {v}" for k, v in facts.items() if v), well)
-
-
-def _plugins(collections: tuple[Path, ...]) -> bool:
-    from oitbench.plugins import Collection
-
-    try:
-        collection = Collection.load(collections)
-    except OitbenchError as error:
-        return _report("collections", error, well=False)
     well = True
-    for plugins in (collection.methods, collection.scenes, collection.reports):
-        broken = []
-        for name in plugins:
+    for finding in (*_machine(), *_plugins(collections)):
+        click.echo(f"{'ok  ' if finding.well else 'FAIL'}  {finding.name}: {finding.value}")
+        well = well and finding.well
+    sys.exit(0 if well else 1)
+
+
+def _machine() -> Iterator[Finding]:
+    with Process("oitbench.cli.checks", Nothing(), Checked, memory.share(1)) as worker:
+        for request, name in ((CheckOpenGL(), "OpenGL"), (CheckPathTracer(), "path tracer")):
             try:
-                plugins[name]
+                yield from worker.ask(request, Checked, _SECONDS).findings
             except OitbenchError as error:
-                broken.append(str(error))
-        found = "; ".join(broken) or f"{len(plugins)}: {', '.join(plugins)}"
-        well = _report(f"{plugins.kind}s", found, not broken) and well
-    return well
+                yield Finding(name, str(error), well=False)
+
+
+def _plugins(collections: tuple[Path, ...]) -> Iterator[Finding]:
+    try:
+        catalog = Catalog(collections)
+    except OitbenchError as error:
+        yield Finding("collections", str(error), well=False)
+        return
+    with catalog:
+        for problem in catalog.problems:
+            yield Finding("collections", problem, well=False)
+        for kind in _KINDS:
+            names = catalog.names(kind)
+            errors = filter(None, (catalog.entry(kind, name, check=True).error for name in names))
+            found = "; ".join(errors)
+            yield Finding(f"{kind}s", found or f"{len(names)}: {', '.join(names)}", not found)

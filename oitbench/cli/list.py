@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
-import ast
 import json
 from pathlib import Path
 from typing import Any
 
 import click
 
+from oitbench.catalog.catalog import Catalog
+from oitbench.catalog.messages import Entry, Kind
 from oitbench.cli import options
 from oitbench.effects import REQUESTED_BY
-from oitbench.errors import DeclarationError, UsageError, unknown
+from oitbench.errors import UsageError, unknown
 from oitbench.parameters import AnyParameter, text
-from oitbench.plugins import Collection
 
 KINDS = ("methods", "scenes", "effects", "reports")
+_SINGULAR: dict[str, Kind] = {"methods": "method", "scenes": "scene", "reports": "report"}
 
 
 def _read_kind(ctx: click.Context, parameter: click.Parameter, value: str | None) -> str | None:
@@ -39,11 +40,11 @@ def command(kind: str | None, as_json: bool, measure: bool, collections: tuple[P
 
     `oitbench list methods --measure` prints the table of methods of the README.
     """
-    collection = Collection.load(collections)
     if measure:
-        _print_overview(collection, kind)
+        _print_overview(collections, kind)
         return
-    found = {name: _entries(collection, name) for name in ([kind] if kind else KINDS)}
+    with Catalog(collections) as catalog:
+        found = {name: _entries(catalog, name) for name in ([kind] if kind else KINDS)}
     if as_json:
         click.echo(json.dumps(found[kind] if kind else found, indent=2))
         return
@@ -57,56 +58,39 @@ def command(kind: str | None, as_json: bool, measure: bool, collections: tuple[P
                 click.echo(f"  {'':{width}}    {key}={parameter['summary']}")
 
 
-def _print_overview(collection: Collection, kind: str | None) -> None:
+def _print_overview(collections: tuple[Path, ...], kind: str | None) -> None:
     from oitbench.gl.device import Device
+    from oitbench.plugins import Collection
     from oitbench.stability import overview
 
     if kind != "methods":
         raise UsageError("--measure needs methods: oitbench list methods --measure")
+    collection = Collection.load(collections)
     with Device() as device:
         rows = overview.measure(device, collection.expand_methods(list(collection.methods)))
     click.echo(overview.table(rows), nl=False)
 
 
-def _entries(collection: Collection, kind: str) -> list[dict[str, Any]]:
+def _entries(catalog: Catalog, kind: str) -> list[dict[str, Any]]:
     if kind == "effects":
         return [
             {"name": str(effect.name).lower(), "title": f"requested by {reason}"}
             for effect, reason in REQUESTED_BY.items()
         ]
-    if kind == "reports":
-        return [_report(name, collection.reports.path(name)) for name in collection.reports]
-    plugins = getattr(collection, kind)
-    return [_entry(plugins, name) for name in plugins]
+    single = _SINGULAR[kind]
+    return [_facts(single, catalog.entry(single, name)) for name in catalog.names(single)]
 
 
-def _entry(plugins: Any, name: str) -> dict[str, Any]:
-    try:
-        plugin = plugins[name]
-    except DeclarationError as error:
-        return _broken(name, error)
-    return {
-        "name": name,
-        "title": _title(plugin.doc if hasattr(plugin, "doc") else plugin.__doc__),
-        "parameters": {key: _parameter(value) for key, value in plugin.parameters.items()},
-    }
-
-
-def _report(name: str, path: Path) -> dict[str, Any]:
-    """Return the entry of a report; the file is only parsed, since importing reports is slow."""
-    try:
-        doc = ast.get_docstring(ast.parse(path.read_bytes()))
-    except (SyntaxError, ValueError) as error:
-        return _broken(name, error)
-    return {"name": name, "title": _title(doc), "parameters": {}}
-
-
-def _broken(name: str, error: Exception) -> dict[str, Any]:
-    return {"name": name, "title": f"cannot be loaded: {error}"}
-
-
-def _title(doc: str | None) -> str:
-    return (doc or "").strip().partition("\n")[0]
+def _facts(kind: Kind, entry: Entry) -> dict[str, Any]:
+    if entry.error:
+        return {"name": entry.name, "title": f"cannot be loaded: {entry.error}"}
+    facts: dict[str, Any] = {"name": entry.name, "title": entry.title}
+    if kind == "method":
+        facts |= {"expresses": entry.expresses, "promises": entry.promises}
+    if kind != "report":
+        facts["quick"] = entry.quick
+    parameters = {key: _parameter(value) for key, value in entry.parameters.items()}
+    return facts | {"parameters": parameters}
 
 
 def _parameter(parameter: AnyParameter) -> dict[str, Any]:

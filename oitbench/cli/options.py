@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Callable
 from pathlib import Path
@@ -44,12 +45,49 @@ def size(default: str | None, help_text: str) -> Callable[[Command], Command]:
     )
 
 
+def parse_timeout(text: str) -> float | None:
+    """Return seconds, or None for no limit; raise `UsageError` if `text` is neither."""
+    if text.lower() in ("none", "0"):
+        return None
+    try:
+        seconds = float(text)
+    except ValueError:
+        raise UsageError(f"cannot read timeout '{text}'; give seconds, or none") from None
+    if not 0 < seconds < math.inf:
+        raise UsageError(f"timeout is {seconds:g} s; give seconds above 0, or none for no limit")
+    return seconds
+
+
+def _read_timeout(ctx: click.Context, parameter: click.Parameter, value: str) -> float | None:
+    return parse_timeout(value)
+
+
+def timeout(default: float, step: str) -> Callable[[Command], Command]:
+    """Return the option `--timeout`, whose value is seconds, or None for no limit."""
+    return click.option(
+        "--timeout",
+        metavar="SECONDS|none",
+        default=f"{default:g}",
+        show_default=True,
+        callback=_read_timeout,
+        help=f"{step} none or 0: no limit.",
+    )
+
+
 collections = click.option(
     "--collection",
     "collections",
     multiple=True,
     type=click.Path(path_type=Path),
     help="Folder with further methods, scenes or reports. Repeatable.",
+)
+memory = click.option(
+    "--memory",
+    "memory_gib",
+    metavar="GIB",
+    type=float,
+    help="Memory that each worker process may use, in GiB; a cell that needs more fails."
+    " Default: 75 % of the machine's memory, divided by the number of workers.",
 )
 ssaa = click.option(
     "--ssaa",

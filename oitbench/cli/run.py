@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import click
 
 from oitbench.cli import options
+from oitbench.matrix.plan import CELL_SECONDS
 
 if TYPE_CHECKING:
     from oitbench.matrix.run import Summary
@@ -48,7 +49,11 @@ _WIDE = 200
     help="Folder of the results.",
 )
 @click.option("--force", is_flag=True, help="Run finished cells again.")
-@click.option("--timeout", type=float, help="Seconds that one cell may take. Default: no limit.")
+@options.timeout(
+    CELL_SECONDS,
+    "Seconds that each step of a cell may take: building its scene, path tracing it, drawing.",
+)
+@options.memory
 @click.option(
     "--workers",
     type=click.IntRange(1),
@@ -74,6 +79,7 @@ def command(
     out: Path,
     force: bool,
     timeout: float | None,
+    memory_gib: float | None,
     workers: int,
     seed: int,
     collections: tuple[Path, ...],
@@ -95,7 +101,7 @@ def command(
 
     matrix = plan_matrix(
         scenes, methods, preset, size, effects, ssaa, out, collections, seed, force,
-        timeout, workers,
+        timeout, workers, memory_gib,
     )  # fmt: skip
     console = Console(stderr=True, highlight=False, soft_wrap=True)
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn())
@@ -117,6 +123,8 @@ def command(
 
 def _print_end(out: Path, summary: Summary) -> None:
     """Print the cells that a user should look at, the summary, and the next commands."""
+    if summary.warning:
+        click.echo(f"disturbed: {summary.warning}", err=True)
     if summary.troubled:
         _print_table(summary)
     click.echo(f"{out}: {summary}")

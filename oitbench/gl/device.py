@@ -39,6 +39,10 @@ _SIGNATURES: dict[str, tuple[Any, ...]] = {
     "glTexImage2DMultisample": (_UINT, _INT, _UINT, _INT, _INT, _BYTE),
     "glGetInteger64v": (_UINT, _VOID),
     "glFinish": (),
+    "glCreateQueries": (_UINT, _INT, _VOID),
+    "glQueryCounter": (_UINT, _UINT),
+    "glGetQueryObjectui64v": (_UINT, _UINT, _VOID),
+    "glDeleteQueries": (_INT, _VOID),
 }
 
 
@@ -233,11 +237,6 @@ class Device:
     def samples_query(self) -> moderngl.Query:
         """A query of samples that pass. There is one, since moderngl never deletes queries."""
         return self.context.query(samples=True)
-
-    @cached_property
-    def time_query(self) -> moderngl.Query:
-        """A query of elapsed time on the GPU."""
-        return self.context.query(time=True)
 
     def finish(self) -> None:
         """Wait until the driver has completed all work."""

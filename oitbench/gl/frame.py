@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Hashable
 from dataclasses import dataclass
 
@@ -10,13 +9,13 @@ import moderngl
 import numpy as np
 import numpy.typing as npt
 
-from oitbench.effects import Effect
+from oitbench.effects import SHADING, Effect
 from oitbench.errors import CapabilityError, UsageError
-from oitbench.gl.batches import IndexOrder
 from oitbench.gl.device import Device
 from oitbench.gl.draws.chain import Measurement
 from oitbench.gl.draws.executor import CompiledStep, Executor
-from oitbench.gl.draws.records import PassRecord, Term
+from oitbench.gl.draws.orders import DrawOrders
+from oitbench.gl.draws.records import Lap, PassRecord, Term, no_lap
 from oitbench.gl.ownership import Owner
 from oitbench.gl.plan import FramePlan
 from oitbench.gl.program.passes import Blueprint, CompiledPass, attach, compile_pass
@@ -35,7 +34,6 @@ from oitbench.method.passes import (
     Gather,
     Loop,
     Objects,
-    Order,
     Pass,
     Step,
 )
@@ -43,11 +41,15 @@ from oitbench.method.steps import passes_of
 
 Image = npt.NDArray[np.float32]
 _ATTEMPTS = 4
+START = "start of the frame"
+OPAQUE_PICTURE = "opaque picture"
+"""Parts of a timed frame that are no pass: copies, clears and buffers before the first pass, and
+the opaque picture as a part of shading."""
 
 
 @dataclass(frozen=True)
 class FrameMeasurement:
-    """Measurements of one frame.
+    """Counts of one frame.
 
     Parameters
     ----------
@@ -87,6 +89,8 @@ class Frame(Owner):
     plan : FramePlan
     complexity : array, shape (h, w), int64
         Visible transparent fragments at each pixel's center, bottom row first.
+    orders : DrawOrders
+        `sort` of it is a part of every frame.
     resources : Resources
     textures : dict of str to moderngl.Texture
         Texture of every target, including those of the frame itself.
@@ -132,7 +136,6 @@ class Frame(Owner):
         )
         self.complexity = scene.fragment_counts(size, effects)
         _check_loops(device, method, int(self.complexity.max()))
-        self._orders: dict[Hashable, IndexOrder] = {}
         self._transmittance: bool | None = None
         with self.building():
             self._build(block_limit)
@@ -162,6 +165,7 @@ class Frame(Owner):
             plan.label, plan.declared, plan.buffers, plan.bindings, plan.folders, plan.macros,
             plan.effects, shading, plan.samples, plan.mechanism or "",
         )  # fmt: skip
+        self.orders = self.own(DrawOrders(device.context, geometry.batches, plan.passes))
         self._steps = [self._compile(blueprint, step) for step in plan.steps]
         self._executor = Executor(
             device, self._views, self.resources.copy, self.resources.take_counts
@@ -196,31 +200,11 @@ class Frame(Owner):
         """The stages that all methods share, in order."""
         return tuple(stage for stage in (self.lighting, self.occlusion) if stage is not None)
 
-    def sort(self, permutation: int | None = None) -> float:
-        """Arrange the geometry in every order that a pass needs; return the time in milliseconds.
-
-        The time is 0 for a method that never sorts.
-
-        Parameters
-        ----------
-        permutation : int, optional
-            Seed that shuffles the draws, within the freedom that each order leaves.
-        """
-        start = time.perf_counter()
-        wanted = {(p.order, p.objects) for p in self.plan.passes if isinstance(p, Gather)}
-        for order, objects in sorted(wanted, key=str):
-            known = self._orders.get((order, objects))
-            batch = self.scene.geometry.batches[objects]
-            arranged = IndexOrder.upload(
-                self.device.context,
-                *batch.arrange(order, permutation),
-                buffer=known.indices if known else None,
-            )
-            if known is None:
-                self.own(arranged.indices)
-            self._orders[order, objects] = arranged
-        sorts = any(order is not Order.SUBMISSION for order, _ in wanted)
-        return 1e3 * (time.perf_counter() - start) if sorts else 0.0
+    @property
+    def shading_key(self) -> Hashable:
+        """A key that frames with equal work in `shade` share."""
+        occluded, effects = self.occlusion is not None, self.plan.effects & SHADING
+        return (self.lighting, occluded, effects, self.plan.color.format, self.plan.samples)
 
     def render(self, transmittance: bool = False, permutation: int | None = None) -> None:
         """Render one complete frame. If memory for records runs out, it is enlarged first.
@@ -230,7 +214,7 @@ class Frame(Owner):
         transmittance : bool
             Render transmittance only: no radiance, over a background of one.
         permutation : int, optional
-            Seed that shuffles the draws.
+            Seed that shuffles the draws, within the freedom that each order leaves.
 
         Raises
         ------
@@ -243,26 +227,48 @@ class Frame(Owner):
             for subsample, view in self._views.items():
                 view.write(self._view_block(subsample, transmittance))
             self._backdrop.draw(transmittance)
+            self._backdrop.derive()
             self._transmittance = transmittance
-        self.sort(permutation)
+        self.orders.arrange(permutation)
         for _ in range(_ATTEMPTS):
+            self.restore()
             needed = self._draw(None, check=True)
             if needed is None:
                 return
             self.resources.reserve(np.maximum(self.resources.demand, needed))
         raise CapabilityError(f"{self.plan.label}: buffers still overflow after {_ATTEMPTS} frames")
 
-    def issue(self) -> None:
-        """Issue a frame as it is timed: shading and passes, on the opaque picture as it is.
+    def shade(self, lap: Lap = no_lap) -> None:
+        """Issue the shading that all methods share: shadow maps, occlusion, opaque picture.
 
-        The frame must have been rendered before.
+        The frame must have been rendered before. `lap` ends each part.
         """
         for stage in self.shading:
-            stage.issue()
-        self._draw(None, check=False)
+            stage.issue(lap)
+        self._backdrop.draw(bool(self._transmittance))
+        lap(OPAQUE_PICTURE)
+
+    def restore(self) -> None:
+        """Copy the opaque picture to `color`, where the method's passes find it."""
+        color = self._framebuffers["color"]
+        # The scissor of the last region is still set, and would clip the copy.
+        color.use()
+        color.scissor = (0, 0, *self.plan.size)
+        self.device.context.copy_framebuffer(color, self._framebuffers[OPAQUE_COLOR])
+
+    def composite(self, lap: Lap = no_lap) -> None:
+        """Issue everything that the method draws in a frame, over the opaque picture in `color`.
+
+        The frame must have been rendered, and `restore`d since then. `lap` ends each part: `START`,
+        and the passes by their place in the plan (see `FramePlan.parts`).
+        """
+        if self.plan.copies_color:
+            self.restore()
+        self._backdrop.derive()
+        self._draw(None, check=False, lap=lap)
 
     def measure(self) -> FrameMeasurement:
-        """Issue a frame, and measure each pass by waiting for it.
+        """Issue a frame, and count the work of each pass.
 
         The frame must have been rendered before.
         """
@@ -270,6 +276,7 @@ class Frame(Owner):
         for stage in self.shading:
             stage.measure(shading)
         records = [PassRecord(item.name) for item in self.plan.passes]
+        self.restore()
         self._draw(records, check=True)
         for item, record in zip(self.plan.passes, records, strict=True):
             if isinstance(item, Gather) and item.buffers:
@@ -279,8 +286,10 @@ class Frame(Owner):
                 record.fragments = self.resources.requested if listed else fragments
         return FrameMeasurement(records, list(shading.records.values()), shading.terms)
 
-    def _draw(self, records: list[PassRecord] | None, check: bool) -> Counts | None:
-        """Copy the opaque picture and issue all passes.
+    def _draw(
+        self, records: list[PassRecord] | None, check: bool, lap: Lap = no_lap
+    ) -> Counts | None:
+        """Clear targets and buffers, and issue all passes.
 
         Returns
         -------
@@ -290,12 +299,6 @@ class Frame(Owner):
         resources, size = self.resources, self.plan.size
         resources.take_counts()
         resources.requested = 0
-        # The scissor of the last region is still set, and would clip the copy.
-        self._framebuffers["color"].use()
-        self._framebuffers["color"].scissor = (0, 0, *size)
-        self.device.context.copy_framebuffer(
-            self._framebuffers["color"], self._framebuffers[OPAQUE_COLOR]
-        )
         missing: Counts | None = None
         for region in resources.regions:
             scissor = region.scissor(size)
@@ -306,7 +309,8 @@ class Frame(Owner):
                 self.device.clear(0, target.texel, target.clear)
             resources.begin(region)
             resources.bind()
-            self._executor.issue(self._steps, self._orders, scissor, records)
+            lap(START)
+            self._executor.issue(self._steps, self.orders.uploaded, scissor, records, lap)
             if self.plan.listed and check:
                 needed = resources.shortfall(region)
                 if needed is not None:

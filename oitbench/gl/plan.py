@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -14,8 +15,17 @@ from oitbench.gl.capabilities import FETCH, SPIN_LOCK
 from oitbench.gl.program.bindings import Bindings
 from oitbench.gl.program.prelude import parameter_macros
 from oitbench.method.declaration import Method, Request, plan_of
-from oitbench.method.passes import OPAQUE_COLOR, OPAQUE_DEPTH, Gather, Loop, Pass, Step
-from oitbench.method.steps import all_passes, check_pass, is_programmable
+from oitbench.method.passes import (
+    OPAQUE_COLOR,
+    OPAQUE_DEPTH,
+    Gather,
+    Interleaved,
+    Loop,
+    Pass,
+    Resolve,
+    Step,
+)
+from oitbench.method.steps import all_passes, check_pass, is_programmable, passes_of
 from oitbench.method.storage import Buffer, Items, Target
 
 Size = tuple[int, int]
@@ -163,6 +173,42 @@ class FramePlan:
     def copies_depth(self) -> bool:
         """Whether a pass over fragments reads the opaque depth that it also tests."""
         return any(isinstance(p, Gather) and OPAQUE_DEPTH in p.reads for p in self.passes)
+
+    @property
+    def copies_color(self) -> bool:
+        """Whether the passes need a copy of the opaque picture: they read it and blend over it.
+
+        A pass over pixels that replaces `color` can write to another texture instead.
+        """
+        first = next((item for item in self.passes if "color" in item.writes), None)
+        replaces = isinstance(first, Resolve) and not first.writes["color"].reads
+        return not replaces and any(OPAQUE_COLOR in item.reads for item in self.passes)
+
+    @property
+    def parts(self) -> dict[int, str]:
+        """Names of the parts in which a frame is timed, by the place of their first pass.
+
+        A part is a pass. Interleaved passes take turns with each unit, and are one part.
+        """
+        named: dict[int, str] = {}
+        place = 0
+        for step in self.steps:
+            passes = passes_of(step)
+            if isinstance(step, Interleaved):
+                named[place] = " and ".join(item.name for item in passes)
+            else:
+                named |= {place + k: item.name for k, item in enumerate(passes)}
+            place += len(passes)
+        return named
+
+    @cached_property
+    def digest(self) -> str:
+        """A digest of everything that the method declares: frames of one cell must agree in it."""
+        declared = (
+            self.label, self.effects, self.targets, self.color, self.buffers, self.steps,
+            self.samples, self.macros,
+        )  # fmt: skip
+        return hashlib.sha256(repr(declared).encode()).hexdigest()[:16]
 
     @property
     def needs_depth_at_centers(self) -> bool:

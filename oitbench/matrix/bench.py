@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 
 from oitbench.effects import Effect, names
-from oitbench.errors import CapabilityError, OitbenchError, StorageError
+from oitbench.errors import CapabilityError, DeclarationError, OitbenchError, StorageError
 from oitbench.gl.device import Device
 from oitbench.gl.frame import Frame, Image, check_size
+from oitbench.gl.plan import FramePlan
 from oitbench.gl.uploaded_scene import UploadedScene
 from oitbench.image import files, metrics, stored
 from oitbench.image.files import Channels
@@ -19,7 +20,9 @@ from oitbench.image.stored import StoredImage
 from oitbench.matrix.cell import Cell, choose_effects
 from oitbench.matrix.identity import Identities
 from oitbench.matrix.stage import Stage, with_transmittance
-from oitbench.measure import accounting, timing
+from oitbench.matrix.timed_cells import ScoredCell, Timing, time_cells
+from oitbench.measure import accounting
+from oitbench.measure.rounds import Schedule
 from oitbench.method.declaration import Method
 from oitbench.plugins import Collection
 from oitbench.results.schema import (
@@ -36,14 +39,19 @@ from oitbench.results.schema import (
     Scores,
     SharedShading,
     Status,
-    Time,
     Traffic,
     flip_image,
 )
 from oitbench.results.store import IMAGES
 from oitbench.scene import Scene
+from oitbench.workers.messages import Step
 
 _LEFT_OUT = "left out of this run"
+_BUILDING = Step("building the scene", shared=True)
+_DRAWING_TRUTH = Step("drawing the exact truth", shared=True)
+_DRAWING = Step("drawing and scoring the picture")
+_PATH_TRACING = Step("path tracing the scene", shared=True)
+_TIMING = Step("timing the scene")
 
 
 @dataclass
@@ -86,13 +94,20 @@ class Bench:
     collection : Collection
     folder : Path
         The results folder, below which images are written.
+    on_step : callable
+        Called when a part of the work begins that may take long.
     """
 
-    def __init__(self, collection: Collection, folder: Path) -> None:
-        self.collection, self.folder = collection, folder
+    def __init__(
+        self,
+        collection: Collection,
+        folder: Path,
+        on_step: Callable[[Step], None] = lambda step: None,
+    ) -> None:
+        self.collection, self.folder, self._on_step = collection, folder, on_step
         self.device = Device()
         self.watch = Stopwatch()
-        self.identities = Identities(collection)
+        self.identities = Identities(collection, lambda: on_step(_BUILDING))
         self._stage: Stage | None = None
 
     def __enter__(self) -> Bench:
@@ -157,15 +172,16 @@ class Bench:
         fine = (cell.size[0] * cell.ssaa, cell.size[1] * cell.ssaa)
         check_size(self.device, fine)
         stage = self._prepare(cell)
+        self._on_step(_DRAWING)
         scene, uploaded = stage.scene, stage.uploaded
         requested = choose_effects(cell.effects, scene.effects)
         effects = requested & method.shows
         with self.watch.running("rendering"):
             with Frame(uploaded, method, fine, effects) as frame:
                 image, transmittance = with_transmittance(frame, cell.ssaa)
-                complexity = int(frame.complexity.max())
-            cost = _count(uploaded, method, cell.size, effects)
-            spread = _order_spread(uploaded, method, cell, effects)
+                complexity, plan = int(frame.complexity.max()), frame.plan
+            cost = _count(uploaded, method, cell.size, effects, plan)
+            spread = _order_spread(uploaded, method, cell, effects, plan)
         images = {"color": self._store("color", files.image_channels(image))}
         exact = self._score(EXACT, stage, stage.exact, image, images)
         exact[metrics.TRANSMITTANCE] = metrics.rmse_transmittance(
@@ -173,6 +189,7 @@ class Bench:
         )
         scores = {EXACT: Scores(exact | spread), PATH_TRACED: Scores(reason=_LEFT_OUT)}
         if PATH_TRACED in cell.truths:
+            self._on_step(_PATH_TRACING)
             scores[PATH_TRACED] = self._score_path_traced(stage, image, images)
         return Outcome(
             parameters=method.values,
@@ -191,6 +208,7 @@ class Bench:
             scores=scores,
             images=images,
             exposure=scene.exposure,
+            plan=plan.digest,
         )
 
     def _prepare(self, cell: Cell) -> Stage:
@@ -202,6 +220,7 @@ class Bench:
         self.leave_scene()
         with self.watch.running("rendering"), ExitStack() as stack:
             scene = self.identities.scene(cell.scene)
+            self._on_step(_DRAWING_TRUTH)
             uploaded = stack.enter_context(UploadedScene(self.device, scene))
             truth = self.collection.truth()
             fine = (cell.size[0] * cell.ssaa, cell.size[1] * cell.ssaa)
@@ -248,23 +267,11 @@ class Bench:
         values = self._score(PATH_TRACED, stage, reference.mean, image, images)
         return Scores(values, reference.noise_floor, message=message)
 
-    def time(self, cells: Sequence[Cell], rounds: int, budget: float) -> list[Time]:
-        """Time the cells of one scene against each other; return their times in order."""
-        with self.watch.running("rendering"), ExitStack() as stack:
-            scene = self.collection.build_scene(cells[0].scene)
-            uploaded = stack.enter_context(UploadedScene(self.device, scene))
-            frames: dict[str, Frame] = {}
-            for cell in cells:
-                (method,) = self.collection.expand_methods([cell.method])
-                effects = choose_effects(cell.effects, scene.effects) & method.shows
-                frame = stack.enter_context(Frame(uploaded, method, cell.size, effects))
-                frame.render()
-                frames[str(cell.key)] = frame
-            samples = timing.measure(frames, rounds, budget, cells[0].seed)
-            return [
-                timing.times(samples[str(cell.key)], frames[str(cell.key)].measure())
-                for cell in cells
-            ]
+    def time(self, cells: Sequence[ScoredCell], schedule: Schedule) -> list[Timing]:
+        """Time the cells of one scene against each other; see `time_cells`."""
+        with self.watch.running("rendering"):
+            self._on_step(_TIMING)
+            return time_cells(self.device, self.collection, cells, schedule)
 
 
 def _without_fragments(record: Record, scene: Scene) -> Record:
@@ -274,11 +281,25 @@ def _without_fragments(record: Record, scene: Scene) -> Record:
     return record.suspect("no fragment of a transparent object was drawn; check the camera")
 
 
+def _require_same(plan: FramePlan, scored: FramePlan, when: str) -> None:
+    """Raise `DeclarationError` if a frame does not draw what the scored frame draws."""
+    if plan.digest != scored.digest:
+        raise DeclarationError(
+            f"{plan.label}: plan returns other passes when {when}; it must depend on parameters and"
+            " its request alone"
+        )
+
+
 def _count(
-    uploaded: UploadedScene, method: Method, size: tuple[int, int], effects: Effect
+    uploaded: UploadedScene,
+    method: Method,
+    size: tuple[int, int],
+    effects: Effect,
+    scored: FramePlan,
 ) -> _Cost:
     """Count fragments, memory and traffic of one frame without sub-pixels."""
     with Frame(uploaded, method, size, effects, counted=True) as frame:
+        _require_same(frame.plan, scored, "it is counted")
         frame.render()
         measured = frame.measure()
         return _Cost(
@@ -291,9 +312,10 @@ def _count(
 
 
 def _order_spread(
-    uploaded: UploadedScene, method: Method, cell: Cell, effects: Effect
+    uploaded: UploadedScene, method: Method, cell: Cell, effects: Effect, scored: FramePlan
 ) -> dict[str, float | None]:
     with Frame(uploaded, method, cell.size, effects) as frame:
+        _require_same(frame.plan, scored, "its draws are permuted")
 
         def permuted() -> Iterator[Image]:
             for number in range(1, cell.permutations + 1):

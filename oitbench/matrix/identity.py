@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from oitbench.errors import OitbenchError, UsageError
 from oitbench.fingerprints.code import engine_fingerprint, method_fingerprint, metrics_fingerprint
 from oitbench.fingerprints.scene import scene_fingerprint
@@ -18,10 +20,12 @@ class Identities:
     Parameters
     ----------
     collection : Collection
+    on_building : callable
+        Called before a scene is built, which may take long.
     """
 
-    def __init__(self, collection: Collection) -> None:
-        self._collection = collection
+    def __init__(self, collection: Collection, on_building: Callable[[], None]) -> None:
+        self._collection, self._on_building = collection, on_building
         self._label = ""
         self._scene: tuple[Scene, str] | None = None
         self._methods: dict[str, str] = {}
@@ -75,6 +79,7 @@ class Identities:
     def _described(self, label: str) -> tuple[Scene, str]:
         if self._scene is None or self._label != label:
             self._scene, self._truth = None, None
+            self._on_building()
             scene = self._collection.build_scene(label)
             self._label, self._scene = label, (scene, scene_fingerprint(scene))
         return self._scene

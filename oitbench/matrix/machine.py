@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import importlib.metadata
-import os
 import platform
 import re
 import subprocess
@@ -11,7 +10,9 @@ from collections.abc import Sequence
 from datetime import datetime, timezone
 from pathlib import Path
 
-from oitbench.results.schema import Commit, Processor, Renderer, RunFacts
+from oitbench.measure.disturbance import usable_cores
+from oitbench.results.schema import Commit, Renderer, RunFacts
+from oitbench.results.times import Processor
 
 _PACKAGES = (
     "oitbench",
@@ -23,6 +24,7 @@ _PACKAGES = (
     "flip-evaluator",
     "OpenEXR",
 )
+_GOVERNOR = Path("/sys/devices/system/cpu/cpu0/cpufreq/scaling_governor")
 
 
 def collect(
@@ -51,7 +53,7 @@ def collect(
     return RunFacts(
         gl=gl,
         mesa=mesa_version(gl.version) if gl else None,
-        cpu=Processor(cpu_model(), os.cpu_count()),
+        cpu=processor(),
         os=platform.platform(),
         python=platform.python_version(),
         packages={name: package_version(name) for name in _PACKAGES},
@@ -68,6 +70,19 @@ def mesa_version(gl_version: str) -> str | None:
     """Return "22.3.6" for "4.5 (Core Profile) Mesa 22.3.6", or None without Mesa."""
     match = re.search(r"Mesa (\S+)", gl_version)
     return match[1] if match else None
+
+
+def processor() -> Processor:
+    """Return the facts of the processor; those that the system does not tell are None."""
+    return Processor(cpu_model(), len(usable_cores()), governor())
+
+
+def governor() -> str | None:
+    """Return the rule by which Linux chooses the clock frequency, or None."""
+    try:
+        return _GOVERNOR.read_text(encoding="utf-8").strip() or None
+    except OSError:
+        return None
 
 
 def cpu_model() -> str:

@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+import os
+import tempfile
 from collections.abc import Iterable
 from pathlib import Path
 
-from oitbench.errors import UsageError
-from oitbench.gl.device import Device
-from oitbench.gl.frame import Frame, Image, check_size
-from oitbench.gl.uploaded_scene import UploadedScene
-from oitbench.image import files
-from oitbench.matrix.cell import choose_effects
+import numpy as np
+
+from oitbench.catalog.catalog import Catalog
+from oitbench.image.files import Image
+from oitbench.matrix.plan import CELL_SECONDS
+from oitbench.matrix.pool import WorkerProcess
+from oitbench.matrix.worker import DrawPicture, PictureDrawn
 from oitbench.method.ablation import REQUESTED
-from oitbench.plugins import Collection
+from oitbench.workers import memory
 
 
 def render(
@@ -22,8 +25,9 @@ def render(
     ssaa: int = 2,
     effects: str = REQUESTED,
     collections: Iterable[Path | str] = (),
+    timeout: float | None = CELL_SECONDS,
 ) -> tuple[Image, float]:
-    """Render `scene` with `method`.
+    """Render `scene` with `method` in a process of its own.
 
     Parameters
     ----------
@@ -37,6 +41,8 @@ def render(
         See `oitbench.matrix.cell.Cell`.
     collections : iterable of path
         Further collection folders.
+    timeout : float, optional
+        Seconds that the picture may take. None: no limit.
 
     Returns
     -------
@@ -48,21 +54,16 @@ def render(
     Raises
     ------
     OitbenchError
-        Something is unknown, out of range, or not available on this machine.
+        Something is unknown, out of range, or not available on this machine, or the process ended.
     """
-    collection = Collection.load(map(Path, collections))
-    chosen = collection.expand_methods([method])
-    if len(chosen) != 1:
-        raise UsageError(f"'{method}' selects {len(chosen)} methods; name one")
-    described = collection.build_scene(scene)
-    running = choose_effects(effects, described.effects) & chosen[0].shows
-    fine = (size[0] * ssaa, size[1] * ssaa)
-    with Device() as device:
-        check_size(device, fine)
-        with (
-            UploadedScene(device, described) as uploaded,
-            Frame(uploaded, chosen[0], fine, running) as frame,
-        ):
-            frame.render()
-            image = files.box_downsample(frame.image(), ssaa)
-    return image, described.exposure
+    with Catalog(collections) as catalog:
+        folders = catalog.places.folders
+    with (
+        tempfile.TemporaryDirectory(prefix="oitbench-") as folder,
+        WorkerProcess(folders, (), Path(folder), memory.share(1)) as worker,
+    ):
+        file = Path(folder) / "image.npy"
+        request = DrawPicture(scene, method, size, ssaa, effects, os.fsencode(file))
+        drawn = worker.ask(request, PictureDrawn, timeout)
+        image: Image = np.load(file)
+    return image, drawn.exposure

@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
-from contextlib import suppress
-from dataclasses import dataclass
+import math
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from oitbench import parameters as selectors
+from oitbench.catalog.catalog import Catalog, Choice
 from oitbench.effects import Effect
-from oitbench.errors import OitbenchError, UsageError
+from oitbench.errors import UsageError
 from oitbench.matrix.cell import Cell, choose_effects
-from oitbench.method.ablation import EACH, REQUESTED, effects_axis
-from oitbench.method.declaration import Method
-from oitbench.plugins import Collection
+from oitbench.method.ablation import EACH, REQUESTED
 from oitbench.results.schema import EXACT, PATH_TRACED
+from oitbench.workers import memory
+
+CELL_SECONDS = 1800.0
+"""Time in which each step of a cell must end by default."""
 
 
 @dataclass(frozen=True)
@@ -70,13 +73,19 @@ class Matrix:
         The results folder.
     seed : int
     collections, method_folders : tuple of Path
-        Sources of plugins that are not the suite's own.
+        All collection folders, and folders of further methods.
+    methods : tuple of str
+        Names of all known methods.
+    unusable : mapping of Cell to str
+        Cells whose scene or method cannot be loaded, and why.
     force : bool
         Run finished cells again.
     timeout : float, optional
-        Seconds that one cell may take.
+        Seconds that each step of a cell may take: building the scene, drawing, path tracing.
     workers : int
         Processes that render accuracy images at once; timing is never parallel.
+    memory_limit : int
+        Bytes that each of these processes may use.
     """
 
     cells: tuple[Cell, ...]
@@ -85,9 +94,12 @@ class Matrix:
     seed: int = 1
     collections: tuple[Path, ...] = ()
     method_folders: tuple[Path, ...] = ()
+    methods: tuple[str, ...] = ()
+    unusable: Mapping[Cell, str] = field(default_factory=dict)
     force: bool = False
-    timeout: float | None = None
+    timeout: float | None = CELL_SECONDS
     workers: int = 1
+    memory_limit: int = field(default_factory=lambda: memory.share(1))
 
 
 def plan_matrix(
@@ -101,8 +113,9 @@ def plan_matrix(
     collections: Iterable[Path | str] = (),
     seed: int = 1,
     force: bool = False,
-    timeout: float | None = None,
+    timeout: float | None = CELL_SECONDS,
     workers: int = 1,
+    memory_gib: float | None = None,
 ) -> Matrix:
     """Check a request and expand it to cells.
 
@@ -125,7 +138,10 @@ def plan_matrix(
     collections : iterable of path
         Further collection folders.
     seed, force, timeout, workers
-        See `Matrix`.
+        See `Matrix`. Without a timeout, nothing ends a step that takes too long.
+    memory_gib : float, optional
+        Memory that one worker may use, in GiB. Default: 75 % of the machine's, divided by the
+        number of workers.
 
     Raises
     ------
@@ -140,59 +156,67 @@ def plan_matrix(
         raise UsageError(
             f"size {size[0]}x{size[1]}, ssaa {ssaa} and workers {workers} must be at least 1"
         )
-    if timeout is not None and not timeout > 0:
-        raise UsageError(f"timeout is {timeout:g} s; it must be above 0")
+    if timeout is not None and not 0 < timeout < math.inf:
+        raise UsageError(f"timeout is {timeout:g} s; give seconds above 0, or none for no limit")
+    if memory_gib is not None and not 0 < memory_gib < math.inf:
+        raise UsageError(f"memory is {memory_gib:g} GiB; it must be above 0")
     for text in effects:
         if text != EACH:
             choose_effects(text, Effect.NONE)
-    folders = tuple(Path(folder) for folder in collections)
-    collection = Collection.load(folders)
-    scene_labels = collection.expand_scenes(scenes or _preset_scenes(collection, chosen))
-    chosen_methods = collection.expand_methods(methods or _preset_methods(collection, chosen))
+    limit = memory.share(workers) if memory_gib is None else int(memory_gib * memory.GIB)
     truths = (EXACT, PATH_TRACED) if chosen.path_traced else (EXACT,)
-    cells = tuple(
-        Cell(scene, method.label, size, ssaa, effect, seed, chosen.permutations, truths)
-        for scene in scene_labels
-        for method, axis in _expand_effects(collection, scene, chosen_methods, effects)
-        for effect in axis
-    )
+    settings = (seed, chosen.permutations, truths)
+    with Catalog(collections, limit) as catalog:
+        chosen_scenes = catalog.expand_scenes(scenes or _preset_scenes(catalog, chosen))
+        chosen_methods = catalog.expand_methods(methods or _preset_methods(catalog, chosen))
+        pairs = [
+            (Cell(scene.label, method.label, size, ssaa, effect, *settings), error)
+            for scene in chosen_scenes
+            for method, axis in _expand_effects(catalog, scene, chosen_methods, effects, timeout)
+            for effect in axis
+            for error in [scene.error or method.error]
+        ]
     return Matrix(
-        cells, chosen, Path(out), seed, folders, _foreign_folders(chosen_methods, collection),
-        force, timeout, workers,
+        tuple(cell for cell, _ in pairs), chosen, Path(out), seed, tuple(catalog.places.folders),
+        _foreign_folders(chosen_methods, catalog), tuple(catalog.names("method")),
+        {cell: error for cell, error in pairs if error}, force, timeout, workers,
+        limit,
     )  # fmt: skip
 
 
-def _preset_scenes(collection: Collection, preset: Preset) -> list[str]:
-    return [name for name, scene in collection.scenes.items() if preset.every or scene.quick]
+def _preset_scenes(catalog: Catalog, preset: Preset) -> list[str]:
+    names = catalog.names("scene")
+    return [name for name in names if preset.every or catalog.entry("scene", name).quick]
 
 
-def _preset_methods(collection: Collection, preset: Preset) -> list[str]:
+def _preset_methods(catalog: Catalog, preset: Preset) -> list[str]:
+    entries = [catalog.entry("method", name) for name in catalog.names("method")]
     return [
-        selectors.selector(name, selectors.grids(method.parameters) if preset.grid else {})
-        for name, method in collection.methods.items()
-        if preset.every or method.quick
+        selectors.selector(entry.name, selectors.grids(entry.parameters) if preset.grid else {})
+        for entry in entries
+        if preset.every or entry.quick
     ]
 
 
 def _expand_effects(
-    collection: Collection, scene: str, methods: Sequence[Method], effects: Sequence[str]
-) -> Iterator[tuple[Method, list[str]]]:
+    catalog: Catalog,
+    scene: Choice,
+    methods: Sequence[Choice],
+    effects: Sequence[str],
+    timeout: float | None,
+) -> Iterator[tuple[Choice, list[str]]]:
     """Yield every method with the values on its axis of effects in this scene."""
-    requested = Effect.NONE
-    if EACH in effects:
-        # If the scene cannot be built, its cells report why.
-        with suppress(OitbenchError):
-            requested = collection.build_scene(scene).effects
+    each = catalog.effects_axes(scene, methods, timeout) if EACH in effects else {}
     for method in methods:
         found: dict[str, None] = {}
         for text in effects:
-            each = effects_axis(requested, method) if text == EACH else [text]
-            found |= dict.fromkeys(each)
+            axis = each.get(method.label, [REQUESTED]) if text == EACH else [text]
+            found |= dict.fromkeys(axis)
         yield method, list(found)
 
 
-def _foreign_folders(methods: list[Method], collection: Collection) -> tuple[Path, ...]:
+def _foreign_folders(methods: Sequence[Choice], catalog: Catalog) -> tuple[Path, ...]:
     """Return the folders of methods that were given by path."""
-    paths = {m.name: collection.methods.path(m.name).parent for m in methods}
-    inside = {folder / "methods" for folder in collection.folders}
-    return tuple(sorted({p for p in paths.values() if p.parent not in inside}))
+    paths = {catalog.path("method", method.name).parent for method in methods}
+    inside = {folder / "methods" for folder in catalog.places.folders}
+    return tuple(sorted(path for path in paths if path.parent not in inside))

@@ -3,39 +3,28 @@
 from __future__ import annotations
 
 import sys
-import threading
 import time
-from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from queue import Queue
 from typing import Any
 
 import msgspec
 
-from oitbench.errors import OitbenchError, StorageError
+from oitbench.errors import printable
 from oitbench.matrix import machine
 from oitbench.matrix.cell import Cell
 from oitbench.matrix.plan import Matrix, plan_matrix
-from oitbench.matrix.pool import WorkerError, WorkerProcess
-from oitbench.matrix.resume import Resume, describe
-from oitbench.matrix.worker import (
-    CellDone,
-    CellsIdentified,
-    CellsTimed,
-    Greeting,
-    Hello,
-    IdentifyCells,
-    RunCell,
-    TimeCells,
-)
-from oitbench.plugins import Collection
-from oitbench.results.schema import TROUBLED, Fingerprints, Record, Status
+from oitbench.matrix.pool import WorkerProcess
+from oitbench.matrix.rendering import OnLine, OnRecord, Rendering
+from oitbench.matrix.resume import Resume
+from oitbench.matrix.timed_cells import ScoredCell, Timing
+from oitbench.matrix.timed_scenes import due_scenes, time_scene
+from oitbench.matrix.worker import CellsTimed, Greeting, Hello, TimeCells
+from oitbench.results.schema import TROUBLED, Record
 from oitbench.results.store import Store
+from oitbench.results.times import Processor
 
-OnRecord = Callable[[Cell, Record | None], None]
-OnLine = Callable[[str], None]
 _KINDS = ("rendering", "metrics", "references")
 
 
@@ -55,6 +44,9 @@ class Summary:
         Wall-clock seconds.
     spent : dict of str to float
         Seconds by kind of work.
+    disturbed : dict of str to float
+        Share of the CPU time that other processes took, by the label of each scene whose times
+        they disturbed.
     """
 
     statuses: dict[str, int] = field(default_factory=dict)
@@ -62,6 +54,17 @@ class Summary:
     troubled: list[Record] = field(default_factory=list)
     wall: float = 0.0
     spent: dict[str, float] = field(default_factory=dict)
+    disturbed: dict[str, float] = field(default_factory=dict)
+
+    @property
+    def warning(self) -> str:
+        """A line about times that other processes disturbed, or ""."""
+        if not self.disturbed:
+            return ""
+        return (
+            f"other processes took up to {max(self.disturbed.values()):.0%} of the CPU time while"
+            f" {', '.join(self.disturbed)} was timed; run with --force on an idle machine"
+        )
 
     @property
     def rest(self) -> float:
@@ -132,27 +135,30 @@ def run_matrix(
     start = time.perf_counter()
     summary = Summary()
     pool = [
-        WorkerProcess(matrix.collections, matrix.method_folders, matrix.out)
+        WorkerProcess(matrix.collections, matrix.method_folders, matrix.out, matrix.memory_limit)
         for _ in range(matrix.workers)
     ]
     with Store.open(matrix.out) as store:
         try:
-            names = list(Collection.load(matrix.collections).methods)
             greeting = pool[0].ask(Hello(), Greeting)
             store.check_renderer(greeting.gl.renderer)
             facts = machine.collect(
-                greeting.gl, argv=list(map(_plain, sys.argv)), seed=matrix.seed, methods=names
+                greeting.gl,
+                argv=list(map(printable, sys.argv)),
+                seed=matrix.seed,
+                methods=matrix.methods,
             )
             store.write_run(facts)
-            rendering = _Rendering(
-                matrix, Resume(store, greeting.gl, matrix.force), on_record, on_line
-            )
-            fresh = rendering.run(pool, summary)
+            resume = Resume(store, greeting.gl, matrix.force)
+            rendering = Rendering(matrix, resume, on_record, on_line)
+            rendering.run(pool)
+            for spent in rendering.spent:
+                summary.add(spent)
             for extra in pool[1:]:
                 extra.stop()
             if matrix.preset.rounds:
-                _time_all(matrix, pool[0], store, summary, fresh)
-            _count(matrix, store, summary, fresh)
+                _time_all(matrix, pool[0], store, summary, rendering.fresh, facts.cpu)
+            _count(matrix, store, summary, rendering.fresh)
             store.compact()
             summary.wall = time.perf_counter() - start
             wall = {"total": summary.wall, "rest": summary.rest, **summary.spent}
@@ -161,11 +167,6 @@ def run_matrix(
             for worker in pool:
                 worker.stop()
     return summary
-
-
-def _plain(text: str) -> str:
-    """Return a text that any file can hold; names of files need not be UTF-8."""
-    return text.encode("utf-8", "backslashreplace").decode()
 
 
 def _count(matrix: Matrix, store: Store, summary: Summary, fresh: set[Cell]) -> None:
@@ -179,114 +180,28 @@ def _count(matrix: Matrix, store: Store, summary: Summary, fresh: set[Cell]) -> 
             summary.troubled.append(record)
 
 
-@dataclass(frozen=True)
-class _Rendering:
-    """Distributes scenes over workers; a scene stays with one worker, which uploads it once."""
-
-    matrix: Matrix
-    resume: Resume
-    on_record: OnRecord
-    on_line: OnLine
-
-    def run(self, pool: list[WorkerProcess], summary: Summary) -> set[Cell]:
-        """Render and store all cells that are not kept; return them."""
-        scenes: dict[str, list[Cell]] = {}
-        for cell in self.matrix.cells:
-            scenes.setdefault(cell.scene, []).append(cell)
-        finished: Queue[tuple[Cell, CellDone | None] | str | BaseException | None] = Queue()
-        free: Queue[WorkerProcess] = Queue()
-        for worker in pool:
-            free.put(worker)
-        stopped = threading.Event()
-
-        def render_scene(cells: list[Cell]) -> None:
-            worker = free.get()
-            try:
-                todo = self.resume.redone(cells, lambda known: self._identify(worker, known))
-                for line in describe(todo):
-                    finished.put(line)
-                for cell in cells:
-                    if not stopped.is_set():
-                        finished.put((cell, self._render(worker, cell) if cell in todo else None))
-                finished.put(None)
-            except BaseException as error:
-                finished.put(error)
-            finally:
-                free.put(worker)
-
-        fresh: set[Cell] = set()
-        with ThreadPoolExecutor(len(pool)) as threads:
-            for cells in scenes.values():
-                threads.submit(render_scene, cells)
-            try:
-                left = len(scenes)
-                while left:
-                    item = finished.get()
-                    if isinstance(item, BaseException):
-                        raise item
-                    if item is None:
-                        left -= 1
-                    elif isinstance(item, str):
-                        self.on_line(item)
-                    else:
-                        self._take(*item, summary, fresh)
-            except BaseException:
-                # An interrupt or a bug must not wait for cells that nobody wants.
-                stopped.set()
-                for worker in pool:
-                    worker.stop()
-                raise
-        return fresh
-
-    def _take(self, cell: Cell, done: CellDone | None, summary: Summary, fresh: set[Cell]) -> None:
-        """Store what a worker has done for a cell; None: it is kept."""
-        if done is not None:
-            self.resume.store.append(done.record)
-            fresh.add(cell)
-            summary.add(done.spent)
-        self.on_record(cell, None if done is None else done.record)
-
-    def _identify(self, worker: WorkerProcess, cells: list[Cell]) -> Sequence[Fingerprints | None]:
-        try:
-            reply = worker.ask(IdentifyCells(cells), CellsIdentified, self.matrix.timeout)
-            return reply.fingerprints
-        except OitbenchError:
-            return [None] * len(cells)  # Running the cells tells what is wrong.
-
-    def _render(self, worker: WorkerProcess, cell: Cell) -> CellDone:
-        try:
-            return worker.ask(RunCell(cell), CellDone, self.matrix.timeout)
-        except StorageError:
-            raise
-        except WorkerError as error:
-            status: Status = "timeout" if error.timeout else "failed"
-            return CellDone(cell.record(status, str(error), gl=self.resume.gl), {})
-        except OitbenchError as error:
-            return CellDone(cell.record("failed", str(error), gl=self.resume.gl), {})
-
-
 def _time_all(
-    matrix: Matrix, worker: WorkerProcess, store: Store, summary: Summary, fresh: set[Cell]
+    matrix: Matrix,
+    worker: WorkerProcess,
+    store: Store,
+    summary: Summary,
+    fresh: set[Cell],
+    cpu: Processor | None,
 ) -> None:
     """Time the finished cells of each scene together, if one of them has no time yet."""
-    scenes: dict[tuple[str, tuple[int, int]], list[tuple[Cell, Record]]] = {}
-    for cell in matrix.cells:
-        record = store.find(cell.key)
-        if record is not None and record.finished:
-            scenes.setdefault((cell.scene, cell.size), []).append((cell, record))
-    for pairs in scenes.values():
-        cells = [cell for cell, _ in pairs]
-        if all(record.time for _, record in pairs) and not fresh & set(cells):
-            continue
-        request = TimeCells(cells, matrix.preset.rounds, matrix.preset.budget)
+
+    def ask(cells: list[ScoredCell]) -> list[Timing]:
+        preset = matrix.preset
         limit = None if matrix.timeout is None else matrix.timeout * len(cells)
-        try:
-            reply = worker.ask(request, CellsTimed, limit)
-        except OitbenchError as error:
-            for _, record in pairs:
-                reason = f"not timed: {error}"
-                store.append(msgspec.structs.replace(record, time=None, reason=reason))
-            continue
+        request = TimeCells(cells, preset.rounds, preset.budget, matrix.seed)
+        reply = worker.ask(request, CellsTimed, limit)
         summary.add(reply.spent)
-        for (_, record), found in zip(pairs, reply.times, strict=True):
-            store.append(msgspec.structs.replace(record, time=found))
+        return reply.timings
+
+    known = [(cell, store.find(cell.key)) for cell in matrix.cells]
+    pairs = [(cell, record) for cell, record in known if record is not None]
+    for scene in due_scenes(pairs, fresh, cpu):
+        for record in time_scene(scene, ask):
+            store.append(record)
+            if record.time is not None and record.time.block.disturbed:
+                summary.disturbed[record.scene] = record.time.block.foreign or 0.0

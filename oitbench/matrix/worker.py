@@ -1,32 +1,34 @@
-"""A process that renders cells: requests come in, replies go out, one JSON line each.
-
-A crash, a hang or a leak in a driver then costs one cell and not the run. Both ends speak over
-standard input and output, so a worker could also be at the end of a network connection. The other
-end is `oitbench.matrix.pool.WorkerProcess`.
-"""
+"""The far end of a process that renders, scores and times cells."""
 
 from __future__ import annotations
 
 import os
-import sys
+from collections.abc import Callable
 from pathlib import Path
 
-import msgspec
+import numpy as np
 from msgspec import Struct
 
-from oitbench.errors import OitbenchError
+from oitbench.errors import UsageError
+from oitbench.gl.frame import Frame, check_size
+from oitbench.gl.uploaded_scene import UploadedScene
+from oitbench.image import files
 from oitbench.matrix.bench import Bench
-from oitbench.matrix.cell import Cell
+from oitbench.matrix.cell import Cell, choose_effects
+from oitbench.matrix.timed_cells import ScoredCell, Timing
+from oitbench.measure.rounds import Schedule
+from oitbench.places import Places
 from oitbench.plugins import Collection
-from oitbench.results.schema import Fingerprints, Record, Renderer, Time
+from oitbench.results.schema import Fingerprints, Record, Renderer
+from oitbench.workers.serve import OnStep, serve
 
 
 class Settings(Struct, frozen=True):
-    """Sources of plugins that are not the suite's own, and the results folder."""
+    """All collection folders, the folders of further methods, and the results folder."""
 
-    collections: list[str]
-    methods: list[str]
-    folder: str
+    collections: list[bytes]
+    methods: list[bytes]
+    folder: bytes
 
 
 class Hello(Struct, frozen=True, tag=True):
@@ -46,11 +48,23 @@ class RunCell(Struct, frozen=True, tag=True):
 
 
 class TimeCells(Struct, frozen=True, tag=True):
-    """Asks for the times of the cells of one scene."""
+    """Asks for the times of the cells of one scene; the rest is a `Schedule`."""
 
-    cells: list[Cell]
+    cells: list[ScoredCell]
     rounds: int
     budget: float
+    seed: int
+
+
+class DrawPicture(Struct, frozen=True, tag=True):
+    """Asks for one picture as a file of numpy; see `oitbench.matrix.picture.render`."""
+
+    scene: str
+    method: str
+    size: tuple[int, int]
+    ssaa: int
+    effects: str
+    file: bytes
 
 
 class Greeting(Struct, frozen=True, tag=True):
@@ -75,58 +89,63 @@ class CellDone(Struct, frozen=True, tag=True):
 class CellsTimed(Struct, frozen=True, tag=True):
     """Times in the order of the request, and the seconds spent by kind of work."""
 
-    times: list[Time]
+    timings: list[Timing]
     spent: dict[str, float]
 
 
-class Refusal(Struct, frozen=True, tag=True):
-    """A user's error that prevented the work; `kind` is the name of its class."""
+class PictureDrawn(Struct, frozen=True, tag=True):
+    """The exposure of the scene in stops."""
 
-    message: str
-    kind: str
-
-
-Request = Hello | IdentifyCells | RunCell | TimeCells
-Reply = Greeting | CellsIdentified | CellDone | CellsTimed | Refusal
+    exposure: float
 
 
-def _answer(bench: Bench, request: Request) -> Reply:
-    if isinstance(request, Hello):
-        return Greeting(bench.gl)
-    if isinstance(request, IdentifyCells):
-        return CellsIdentified([bench.identities.find(cell) for cell in request.cells])
-    if isinstance(request, RunCell):
-        record = bench.run(request.cell)
-        return CellDone(record, bench.watch.take())
-    times = bench.time(request.cells, request.rounds, request.budget)
-    return CellsTimed(times, bench.watch.take())
+Request = Hello | IdentifyCells | RunCell | TimeCells | DrawPicture
+Reply = Greeting | CellsIdentified | CellDone | CellsTimed | PictureDrawn
 
 
-def _bench(settings: Settings) -> Bench:
-    collection = Collection.load(map(Path, settings.collections))
-    for folder in settings.methods:
-        collection.add_method(Path(folder))
-    return Bench(collection, Path(settings.folder))
+def _begin(settings: Settings, on_step: OnStep) -> Callable[[Request], Reply]:
+    places = Places(map(_path, settings.collections), map(_path, settings.methods))
+    bench = Bench(Collection(places), _path(settings.folder), on_step)
+
+    def answer(request: Request) -> Reply:
+        if isinstance(request, Hello):
+            return Greeting(bench.gl)
+        if isinstance(request, IdentifyCells):
+            return CellsIdentified([bench.identities.find(cell) for cell in request.cells])
+        if isinstance(request, RunCell):
+            record = bench.run(request.cell)
+            return CellDone(record, bench.watch.take())
+        if isinstance(request, DrawPicture):
+            return _draw(bench, request)
+        schedule = Schedule(request.rounds, request.budget, request.seed)
+        return CellsTimed(bench.time(request.cells, schedule), bench.watch.take())
+
+    return answer
+
+
+def _draw(bench: Bench, request: DrawPicture) -> PictureDrawn:
+    chosen = bench.collection.expand_methods([request.method])
+    if len(chosen) != 1:
+        raise UsageError(f"'{request.method}' selects {len(chosen)} methods; name one")
+    scene = bench.collection.build_scene(request.scene)
+    running = choose_effects(request.effects, scene.effects) & chosen[0].shows
+    fine = (request.size[0] * request.ssaa, request.size[1] * request.ssaa)
+    check_size(bench.device, fine)
+    with (
+        UploadedScene(bench.device, scene) as uploaded,
+        Frame(uploaded, chosen[0], fine, running) as frame,
+    ):
+        frame.render()
+        image = files.box_downsample(frame.image(), request.ssaa)
+    with _path(request.file).open("wb") as file:
+        np.save(file, image)
+    return PictureDrawn(scene.exposure)
+
+
+def _path(encoded: bytes) -> Path:
+    return Path(os.fsdecode(encoded))
 
 
 def main() -> None:
-    """Serve until standard input ends."""
-    # Output of libraries must not appear between the replies.
-    replies = os.fdopen(os.dup(1), "wb")
-    os.dup2(2, 1)
-    settings = msgspec.json.decode(sys.argv[1], type=Settings)
-    decoder = msgspec.json.Decoder(Request)
-    bench: Bench | None = None
-    for line in sys.stdin.buffer:
-        reply: Reply
-        try:
-            bench = bench or _bench(settings)
-            reply = _answer(bench, decoder.decode(line))
-        except OitbenchError as error:
-            reply = Refusal(str(error), type(error).__name__)
-        replies.write(msgspec.json.encode(reply) + b"\n")
-        replies.flush()
-
-
-if __name__ == "__main__":
-    main()
+    """Serve the process that started this one."""
+    serve(Settings, Request, _begin)

@@ -1,115 +1,196 @@
-"""Frame times that can be compared: interleaved, shuffled rounds, medians, bootstrap intervals."""
+"""Times of frames that can be compared: of methods, of their passes, and of shared shading.
+
+All frames of a scene are timed together. In each round every method is timed twice, as a whole and
+by its passes, and so is the shading that methods share, once for each set of its effects.
+"""
 
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
+from typing import Literal
 
-import numpy as np
+from oitbench.errors import OitbenchError
+from oitbench.gl.frame import Frame
+from oitbench.measure import rounds
+from oitbench.measure.clock import Clock, Drawn, Parts
+from oitbench.measure.disturbance import Meter, foreign_share, usage
+from oitbench.measure.intervals import interval
+from oitbench.measure.rounds import Schedule
+from oitbench.results.times import DISTURBED, Block, PassTime, Processor, Time
 
-from oitbench.gl.draws.records import PassRecord
-from oitbench.gl.frame import Frame, FrameMeasurement
-from oitbench.results.schema import Interval, PassTime, Time
+_Task = tuple[Literal["method", "passes", "shading", "stages"], Hashable]
 
-_RESAMPLES = 1000
+
+@dataclass(frozen=True)
+class MethodSample:
+    """Times of one frame in milliseconds; `sort` is None for a method that never sorts."""
+
+    sort: float | None
+    drawn: Drawn
+
+    @property
+    def ms(self) -> float:
+        """Time of the method."""
+        return (self.sort or 0.0) + self.drawn.ms
 
 
 @dataclass
-class Samples:
-    """Times of one frame in milliseconds, one entry per round."""
+class Timings:
+    """Times of frames by name, and the errors of those that failed."""
 
-    frame_ms: list[float] = field(default_factory=list)
-    sort_ms: list[float] = field(default_factory=list)
+    times: dict[str, Time] = field(default_factory=dict)
+    errors: dict[str, OitbenchError] = field(default_factory=dict)
 
 
-def interval(samples: Sequence[float], seed: int = 1) -> Interval:
-    """Return the median, its bootstrap 95 % interval, and the samples.
+@dataclass(frozen=True)
+class _Attempt:
+    """All rounds, with their wall-clock seconds and the CPU time that other processes took."""
 
-    Parameters
-    ----------
-    samples : sequence of float
-        At least one.
-    seed : int
-        Seed of the resampling.
-    """
-    values = np.asarray(samples, dtype=np.float64)
-    generator = np.random.default_rng(seed)
-    chosen = generator.integers(len(values), size=(_RESAMPLES, len(values)))
-    medians = np.median(values[chosen], axis=1)
-    low, high = np.percentile(medians, [2.5, 97.5])
-    return Interval(
-        float(np.median(values)), float(low), float(high), [float(value) for value in values]
-    )
+    counted: rounds.Counted[_Task]
+    seconds: float
+    foreign: float | None
+
+    @property
+    def disturbed(self) -> bool:
+        return self.foreign is not None and self.foreign > DISTURBED
 
 
 def measure(
-    frames: Mapping[str, Frame], rounds: int, budget: float, seed: int = 1, warm_up: int = 2
-) -> dict[str, Samples]:
-    """Time every frame in shuffled rounds, so that a drifting machine affects all alike.
+    frames: Mapping[str, Frame],
+    schedule: Schedule,
+    clock: Clock,
+    cpu: Processor,
+    meter: Meter = usage,
+) -> Timings:
+    """Time the frames of one scene against each other.
+
+    If other processes take more than `DISTURBED` of the CPU time, all rounds are repeated once, and
+    the attempt that was disturbed less counts.
 
     Parameters
     ----------
     frames : mapping of str to Frame
-        Frames of one scene, each rendered before.
-    rounds : int
-        Largest number of rounds.
-    budget : float
-        Seconds after which no further round begins, once three are complete.
-    seed : int
-        Seed of the order within rounds.
-    warm_up : int
-        Rounds that are not counted.
+        Each rendered before.
+    schedule : Schedule
+    clock : Clock
+    cpu : Processor
+        A fact for the record.
+    meter : callable
+        Returns the CPU time so far.
     """
-    samples = {name: Samples() for name in frames}
-    generator = np.random.default_rng(seed)
-    names = list(frames)
-    start = time.perf_counter()
-    for number in range(rounds + warm_up):
-        for name in generator.permutation(names):
-            frame_ms, sort_ms = _time(frames[str(name)])
-            if number >= warm_up:
-                samples[str(name)].frame_ms.append(frame_ms)
-                samples[str(name)].sort_ms.append(sort_ms)
-        if number >= warm_up + 2 and time.perf_counter() - start > budget:
-            break
-    return samples
+    tasks = _tasks(frames, clock)
+    attempts = [_attempt(tasks, schedule, meter)]
+    if attempts[0].disturbed:
+        attempts.append(_attempt(tasks, schedule, meter))
+    best = min(attempts, key=lambda attempt: attempt.foreign or 0.0)
+    block = Block(clock.name, cpu, best.seconds, best.foreign, len(attempts) > 1)
+    errors = {key: error for found in attempts for key, error in found.counted.errors.items()}
+    found = Timings()
+    for name, frame in frames.items():
+        failed = [errors[key] for key in _tasks_of(name, frame) if key in errors]
+        if failed:
+            found.errors[name] = failed[0]
+        else:
+            found.times[name] = _time(name, frame, best.counted, block)
+    return found
 
 
-def times(samples: Samples, measured: FrameMeasurement) -> Time:
-    """Return the times of a frame as a record holds them.
+def _tasks_of(name: str, frame: Frame) -> list[_Task]:
+    key = frame.shading_key
+    return [("method", name), ("passes", name), ("shading", key), ("stages", key)]
 
-    Parameters
-    ----------
-    samples : Samples
-    measured : FrameMeasurement
-        One more frame, of which each pass was measured by waiting for it.
-    """
+
+def _tasks(frames: Mapping[str, Frame], clock: Clock) -> dict[_Task, Callable[[], object]]:
+    """Return the tasks of all frames; frames with the same shading share its tasks."""
+    tasks: dict[_Task, Callable[[], object]] = {}
+    for name, frame in frames.items():
+        method, passes, shading, stages = _tasks_of(name, frame)
+        tasks[method] = partial(time_method, frame, clock)
+        tasks[passes] = partial(_time_passes, frame, clock)
+        tasks[shading] = partial(_time_shading, frame, clock)
+        tasks[stages] = partial(_time_stages, frame, clock)
+    return tasks
+
+
+def time_method(frame: Frame, clock: Clock) -> MethodSample:
+    """Time everything that a method does in a frame, on the opaque picture as it is."""
+    frame.restore()
+    sort = clock.run(frame.orders.sort) if frame.orders.sorts else None
+    return MethodSample(sort, clock.draw(frame.composite))
+
+
+def _time_passes(frame: Frame, clock: Clock) -> Parts:
+    frame.restore()
+    frame.orders.sort()
+    return clock.parts(frame.composite)
+
+
+def _time_shading(frame: Frame, clock: Clock) -> float:
+    return clock.draw(frame.shade).ms
+
+
+def _time_stages(frame: Frame, clock: Clock) -> Parts:
+    return clock.parts(frame.shade)
+
+
+def _attempt(
+    tasks: Mapping[_Task, Callable[[], object]], schedule: Schedule, meter: Meter
+) -> _Attempt:
+    start, before = time.perf_counter(), meter()
+    counted = rounds.run(tasks, schedule)
+    return _Attempt(counted, time.perf_counter() - start, foreign_share(before, meter()))
+
+
+def _time(name: str, frame: Frame, counted: rounds.Counted[_Task], block: Block) -> Time:
+    method, passes, shading, stages = (counted.samples[key] for key in _tasks_of(name, frame))
+    sorts = [sample.sort for sample in method if sample.sort is not None]
+    gpu = [sample.drawn.gpu for sample in method if sample.drawn.gpu is not None]
+    times = [sample.ms for sample in method]
     return Time(
-        interval(samples.frame_ms),
-        float(np.median(samples.sort_ms)),
-        [_pass_time(record) for record in measured.shading],
-        [_pass_time(record) for record in measured.passes],
+        method_ms=interval(times),
+        sort_ms=interval(sorts) if sorts else None,
+        gpu_ms=interval(gpu) if gpu else None,
+        shading_ms=interval(shading),
+        # A slow method takes part in fewer rounds than the shading that it shares.
+        frame_ms=interval([sum(pair) for pair in zip(times, shading, strict=False)]),
+        passes=_parts(passes, frame.plan.parts),
+        shading=_parts(stages, {}),
+        block=block,
+        remark=remark(method, passes),
     )
 
 
-def _pass_time(record: PassRecord) -> PassTime:
-    return PassTime(record.name, record.milliseconds, record.fragments)
+def _parts(rounds: Sequence[Parts], labels: Mapping[int, str]) -> list[PassTime]:
+    return [
+        PassTime(
+            labels[key] if isinstance(key, int) else str(key),
+            interval([one.ms[key] for one in rounds]),
+        )
+        for key in rounds[0].ms
+    ]
 
 
-def _time(frame: Frame) -> tuple[float, float]:
-    """Return the time of one frame and of its sorting, in milliseconds."""
-    device = frame.device
-    sort = frame.sort(None)
-    device.finish()
-    if device.software:
-        # A time query of a software renderer ends before its rasterization does.
-        start = time.perf_counter()
-        frame.issue()
-        device.finish()
-        return 1e3 * (time.perf_counter() - start), sort
-    query = device.time_query
-    with query:
-        frame.issue()
-    device.finish()
-    return query.elapsed / 1e6, sort
+def remark(method: Sequence[MethodSample], passes: Sequence[Parts]) -> str:
+    """Return the reason why the passes do not add up to the time of the whole frame, or ""."""
+    drawn = [sample.drawn for sample in method]
+    together = interval([one.ms if one.gpu is None else one.gpu for one in drawn])
+    apart = interval([one.total for one in passes])
+    found = []
+    if together.ends is None or apart.ends is None:
+        found.append("There are too few samples to add up the passes.")
+    elif apart.ends[0] > together.ends[1] or apart.ends[1] < together.ends[0]:
+        change = apart.median - together.median
+        text = f"One by one, the parts of the drawing take {apart.median:.3g} ms,"
+        text += f" {abs(change):.2g} ms {'more' if change > 0 else 'less'} than together"
+        waits = f": the renderer is waited for {passes[0].laps} times"
+        found.append(text + (waits if drawn[0].gpu is None else "") + ".")
+    submitted = interval([one.ms for one in drawn])
+    if drawn[0].gpu is not None and submitted.median > together.median:
+        found.append(
+            f"The CPU takes {submitted.median:.3g} ms to submit the passes, which counts: the GPU"
+            f" needs {together.median:.3g} ms to draw them."
+        )
+    return " ".join(found)

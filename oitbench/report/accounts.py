@@ -1,4 +1,4 @@
-"""Bytes of methods as stacked bars and as a table, for the reports of memory and of traffic."""
+"""Bytes or times of methods as stacked bars and as a table."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ class Bar:
 
 @dataclass(frozen=True)
 class Account:
-    """The way in which a report shows an account of bytes.
+    """The way in which a report shows an account of bytes or of times.
 
     Parameters
     ----------

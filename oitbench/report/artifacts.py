@@ -13,6 +13,12 @@ from oitbench.errors import UsageError
 
 Value = str | int | float | None
 Row = Sequence[Value]
+SIGN = "†"
+"""Sign of a number with a reservation, which the caption explains."""
+
+
+class Marked(float):
+    """A number that the page shows with `SIGN`."""
 
 
 @dataclass(frozen=True)
@@ -60,6 +66,8 @@ class Column:
             return "–"
         if isinstance(value, str):
             return value
+        if isinstance(value, Marked):
+            return f"{self.text(float(value))} {SIGN}"
         if self.decimals is None or isinstance(value, int):
             return decimal(value, self.digits)
         return fixed(value, self.decimals)

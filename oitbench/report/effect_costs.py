@@ -6,21 +6,24 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import NamedTuple
 
-import numpy as np
-
+from oitbench.measure.intervals import interval
 from oitbench.report.cells import effect_labels, total_memory, total_traffic
+from oitbench.report.times import is_disturbed
 from oitbench.results.records import Ablation, Panel
 from oitbench.results.schema import PATH_TRACED, Record
 
-_RESAMPLES = 1000
-
 
 class SavedTime(NamedTuple):
-    """Difference of two median frame times in milliseconds, with its 95 % interval."""
+    """Median difference of two frame times in milliseconds, with its interval if there is one."""
 
     median: float
-    low: float
-    high: float
+    low: float | None
+    high: float | None
+
+    @property
+    def ends(self) -> tuple[float, float] | None:
+        """Both ends of the interval; None if there is none."""
+        return None if self.low is None or self.high is None else (self.low, self.high)
 
 
 @dataclass(frozen=True)
@@ -58,6 +61,11 @@ class EffectCost:
         return effect_labels(self.ablation.named)
 
     @property
+    def disturbed(self) -> bool:
+        """Whether other processes disturbed the time of either picture."""
+        return is_disturbed(self.ablation.complete) or is_disturbed(self.ablation.reduced)
+
+    @property
     def verdict(self) -> str:
         """How the effect changes the error: "better", "worse" or "tie"; empty if unknown."""
         if self.gain is None:
@@ -84,17 +92,13 @@ def effect_costs(panel: Panel, metric: str) -> Iterator[EffectCost]:
         )
 
 
-def saved_time(complete: Record, reduced: Record, seed: int = 1) -> SavedTime | None:
+def saved_time(complete: Record, reduced: Record) -> SavedTime | None:
     """Return the frame time that leaving effects out saves; None if a cell has no times.
 
-    The interval is a bootstrap over the samples of both cells.
+    The cells of a scene are timed in the same rounds, so the difference is taken in each round.
     """
     if complete.time is None or reduced.time is None:
         return None
-    times = (complete.time.frame_ms, reduced.time.frame_ms)
-    saved = times[0].median - times[1].median
-    generator = np.random.default_rng(seed)
-    chosen = [generator.choice(time.samples, (_RESAMPLES, len(time.samples))) for time in times]
-    medians = [np.median(values, axis=1) for values in chosen]
-    low, high = np.percentile(medians[0] - medians[1], [2.5, 97.5])
-    return SavedTime(saved, min(float(low), saved), max(float(high), saved))
+    samples = (complete.time.frame_ms.samples, reduced.time.frame_ms.samples)
+    saved = interval([one - other for one, other in zip(*samples, strict=False)])
+    return SavedTime(saved.median, saved.low, saved.high)

@@ -6,6 +6,7 @@ from collections.abc import Callable
 
 from oitbench.image import metrics
 from oitbench.report.cells import largest_noise_floor
+from oitbench.report.times import EXPLANATION, is_disturbed, signed
 from oitbench.results.records import Results
 from oitbench.results.schema import EXACT, PATH_TRACED, Record
 
@@ -13,12 +14,14 @@ _MISSING = "–"
 
 
 def tables(results: Results) -> str:
-    """Return FLIP and frame time by scene and method, one table for each truth with results.
+    """Return FLIP and method time by scene and method, one table for each truth with results.
 
     Each panel of the results is a row: a scene at one size with one set of effects. Cells that
     leave out effects are not shown.
     """
-    parts = [f"FLIP against exact compositing, median frame time\n\n{_table(results, _cost)}"]
+    parts = [f"FLIP against exact compositing, median method time\n\n{_table(results, _cost)}"]
+    if any(map(is_disturbed, results.records)):
+        parts.append(f"{EXPLANATION}\n")
     traced = _table(results, _distance, noise_floor=True)
     if traced:
         parts.append(f"FLIP against path tracing\n\n{traced}")
@@ -47,9 +50,10 @@ def _table(results: Results, text: Callable[[Record], str], noise_floor: bool = 
 
 
 def _cost(record: Record) -> str:
-    """Return the error against exact compositing and the frame time."""
+    """Return the error against exact compositing and the method time."""
     error = record.metric(EXACT, metrics.FLIP_LDR)
-    time = f"{record.time.frame_ms.median:.3g} ms" if record.time else _MISSING
+    time = f"{record.time.method_ms.median:.3g} ms" if record.time else _MISSING
+    time = signed(time, is_disturbed(record))
     return f"{_MISSING if error is None else f'{error:.4f}'}, {time}"
 
 

@@ -12,9 +12,10 @@ from types import ModuleType
 from typing import TYPE_CHECKING
 from urllib.parse import quote
 
-from oitbench.report.artifacts import Artifact, Figure, ImageGrid, Note, Table, writing_to
+from oitbench.report.artifacts import SIGN, Artifact, Figure, ImageGrid, Note, Table, writing_to
 from oitbench.report.cells import effect_labels
 from oitbench.report.context import ReportContext
+from oitbench.report.times import disturbed_scenes
 from oitbench.results.records import Results
 from oitbench.results.schema import Record, RunFacts
 
@@ -102,6 +103,8 @@ def _render(context: ReportContext, sections: Sequence[Section]) -> str:
             incomplete=_incomplete(results.records),
             faults=results.faults,
             facts=_facts(results.facts),
+            disturbed=disturbed_scenes(results.records),
+            sign=SIGN,
         )
     )
 
@@ -142,11 +145,12 @@ def _facts(facts: RunFacts) -> list[tuple[str, str]]:
     """Return the facts of the run as names and values; unknown facts are left out."""
     gl, cpu, git = facts.gl, facts.cpu, facts.git
     cores = f", {cpu.cores} cores" if cpu and cpu.cores else ""
+    governor = f", governor {cpu.governor}" if cpu and cpu.governor else ""
     modified = " (modified)" if git and git.modified else ""
     rows = {
         "GL renderer": gl.renderer if gl else "",
         "GL version": gl.version if gl else "",
-        "CPU": f"{cpu.model}{cores}" if cpu else "",
+        "CPU": f"{cpu.model}{cores}{governor}" if cpu else "",
         "OS": facts.os,
         "Python": facts.python,
         "Packages": ", ".join(f"{name} {value}" for name, value in facts.packages.items() if value),

@@ -27,7 +27,8 @@ from oitbench.atomic import replacing
 from oitbench.errors import UsageError
 from oitbench.image import metrics
 from oitbench.results.records import Results
-from oitbench.results.schema import EXACT, FINISHED, TRUTHS, Interval, PassRuns, Record
+from oitbench.results.schema import EXACT, FINISHED, TRUTHS, PassRuns, Record
+from oitbench.results.times import Interval
 
 Entry = int | float | str | None
 Row = Mapping[str, Entry]
@@ -55,7 +56,7 @@ class Snapshot:
     rows : mapping of str to Row
         By the cell's label: scene, method, size and settings.
     times : mapping of str to Interval
-        Frame times; a baseline file has none.
+        Method times that nothing disturbed; a baseline file has none.
     """
 
     renderer: str
@@ -158,7 +159,8 @@ def _checksum(renderer: str, rows: Mapping[str, Row]) -> str:
 def _read_folder(folder: Path) -> Snapshot:
     loaded = Results.load(folder)
     rows = {label(record): row(record) for record in loaded.records}
-    times = {label(item): item.time.frame_ms for item in loaded.records if item.time is not None}
+    timed = [(item, item.time) for item in loaded.records if item.time is not None]
+    times = {label(item): time.method_ms for item, time in timed if not time.block.disturbed}
     return Snapshot(loaded.renderer, rows, times)
 
 

@@ -235,12 +235,14 @@ def _score(truth: str, name: str, row: Row) -> float | None:
 
 
 def _times(now: Snapshot, before: Snapshot) -> Iterator[Difference]:
-    """Yield the cells whose 95 % intervals of frame time do not overlap."""
+    """Yield the cells whose intervals of method time do not overlap."""
     for cell in now.times.keys() & before.times.keys():
         old, new = before.times[cell], now.times[cell]
-        if new.low > old.high or new.high < old.low:
+        if old.ends is None or new.ends is None:
+            continue
+        if new.ends[0] > old.ends[1] or new.ends[1] < old.ends[0]:
             verdict = SLOWER if new.median > old.median else FASTER
-            yield Difference(cell, "frame_ms", round(old.median, 3), round(new.median, 3), verdict)
+            yield Difference(cell, "method_ms", round(old.median, 3), round(new.median, 3), verdict)
 
 
 def _count(differences: tuple[Difference, ...], word: str) -> str:

@@ -17,6 +17,7 @@ from msgspec import Meta, Struct
 from oitbench.image.stored import StoredImage
 from oitbench.parameters import Value
 from oitbench.results.checksum import CHECKSUM
+from oitbench.results.times import Processor, Time
 
 VERSION: Final = 2
 """Version of the schema; a change of any field raises it."""
@@ -37,32 +38,6 @@ TRUTHS: Mapping[str, str] = {EXACT: "exact compositing", PATH_TRACED: "path trac
 
 class _Typed(Struct, frozen=True, forbid_unknown_fields=True):
     """Base of all parts of a record."""
-
-
-class Interval(_Typed, frozen=True):
-    """A median in milliseconds, its 95 % interval, and all samples."""
-
-    median: float
-    low: float
-    high: float
-    samples: list[float]
-
-
-class PassTime(_Typed, frozen=True):
-    """Time of one pass in milliseconds, including the wait after each of its draws."""
-
-    name: str
-    ms: float
-    fragments: Count
-
-
-class Time(_Typed, frozen=True):
-    """Times of a frame; `shading` are the stages that all methods share."""
-
-    frame_ms: Interval
-    sort_ms: float
-    shading: list[PassTime] = []
-    passes: list[PassTime] = []
 
 
 class MemoryTerm(_Typed, frozen=True):
@@ -151,6 +126,7 @@ class Outcome(_Typed, frozen=True):
 
     `images` are files below the results folder: `color`, the truths, and for each truth
     `flip_TRUTH`, the maps of FLIP (channel `ldr`) and HDR-FLIP (`hdr`). `exposure` is in stops.
+    `plan` is a digest of the targets, buffers and passes that the method declared.
     """
 
     parameters: dict[str, Value]
@@ -165,6 +141,7 @@ class Outcome(_Typed, frozen=True):
     scores: dict[str, Scores]
     images: dict[str, StoredImage]
     exposure: float
+    plan: str = ""
 
 
 class CellKey(_Typed, frozen=True):
@@ -271,13 +248,6 @@ class Record(_Typed, frozen=True):
     def requested_effects(self) -> list[str]:
         """Effects that the scene requests and that were not left out."""
         return self.outcome.effects.requested if self.outcome else []
-
-
-class Processor(_Typed, frozen=True):
-    """The processor."""
-
-    model: str
-    cores: int | None = None
 
 
 class Commit(_Typed, frozen=True):

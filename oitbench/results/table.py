@@ -6,6 +6,7 @@ from typing import Any
 
 from oitbench.image import metrics
 from oitbench.results.schema import EXACT, PATH_TRACED, TRUTHS, Record
+from oitbench.results.times import Interval, Time
 
 MEBIBYTE = 2**20
 MEGABYTE = 10**6
@@ -15,7 +16,7 @@ _FLOORS = (metrics.FLIP_LDR, metrics.FLIP_HDR, metrics.RMSE)
 
 def flat(record: Record) -> dict[str, Any]:
     """Return a cell as one row; numbers that do not exist are None."""
-    outcome, frame = record.outcome, record.time.frame_ms if record.time else None
+    outcome = record.outcome
     row: dict[str, Any] = {
         "scene": record.scene,
         "method": record.method,
@@ -26,9 +27,7 @@ def flat(record: Record) -> dict[str, Any]:
         "effects": record.effects,
         "status": record.status,
         "reason": record.reason,
-        "frame_ms": frame.median if frame else None,
-        "frame_ms_low": frame.low if frame else None,
-        "frame_ms_high": frame.high if frame else None,
+        **flat_times(record.time),
         "memory_mib": outcome.memory.bytes / MEBIBYTE if outcome else None,
         "bits_per_pixel": outcome.memory.bits_per_pixel if outcome else None,
         "traffic_mb": outcome.traffic.bytes / MEGABYTE if outcome else None,
@@ -41,3 +40,16 @@ def flat(record: Record) -> dict[str, Any]:
         row |= {f"{truth}.{name}": record.metric(truth, name) for name in metrics.NAMES}
     row |= {f"{EXACT}.{name}": record.metric(EXACT, name) for name in _EXACT_ONLY}
     return row | {f"noise_floor.{name}": record.noise_floor(PATH_TRACED, name) for name in _FLOORS}
+
+
+def flat_times(time: Time | None) -> dict[str, float | None]:
+    """Return the times with their intervals, and the share of other processes in percent."""
+    parts = ("method_ms", "sort_ms", "shading_ms", "frame_ms")
+    found: dict[str, float | None] = {}
+    for name in parts:
+        part: Interval | None = getattr(time, name, None)
+        found[name] = part.median if part else None
+        found[f"{name}_low"] = part.low if part else None
+        found[f"{name}_high"] = part.high if part else None
+    foreign = time.block.foreign if time else None
+    return {**found, "foreign_percent": None if foreign is None else 100 * foreign}

@@ -28,6 +28,7 @@ class UploadedScenes(Owner):
 
     def __init__(self, device: Device, shots: Sequence[Shot]) -> None:
         super().__init__()
+        self.device = device
         scenes = {id(shot.scene): shot.scene for shot in shots}
         with self.building():
             self._uploaded = {

@@ -18,11 +18,12 @@ from oitbench.parameters import grids, selector
 from oitbench.plugins import Collection
 from oitbench.results.schema import Nonfinite
 from oitbench.stability.cases import cases
-from oitbench.stability.check import Check, Rendering
+from oitbench.stability.check import Check, Rendering, Shot
 from oitbench.stability.identities import identities
 from oitbench.stability.judge import judge
 from oitbench.stability.render import UploadedScenes
 from oitbench.stability.result import BREAKS, DOES_NOT_APPLY, HOLDS, CheckResult
+from oitbench.stability.tolerance import rounding
 
 PRECISION_AXES = ("precision", "node", "count")
 """Parameters that choose number formats; all of their choices are run."""
@@ -128,7 +129,10 @@ def _examine(
         in_mean=any(deviation.in_mean for deviation in deviations),
         nonfinite=_nonfinite(first),
         may_be_negative=method.may_be_negative,
-        repeatable=all(_repeats(taken) for taken in renderings),
+        repeatable=all(
+            _repeats(taken, 0.0 if scenes.device.software else _rounding(method, shot, taken[0]))
+            for shot, taken in zip(check.shots, renderings, strict=True)
+        ),
     )
 
 
@@ -138,10 +142,21 @@ def _nonfinite(renderings: Sequence[Rendering]) -> Nonfinite:
     return Nonfinite(**{key: sum(count[key] for count in counts) for key in counts[0]})
 
 
-def _repeats(taken: Sequence[Rendering]) -> bool:
-    """Return whether all images of one shot are equal in every bit."""
+def _repeats(taken: Sequence[Rendering], allowed: float) -> bool:
+    """Return whether all images of one shot are equal, with differences up to `allowed`."""
     first, *others = (rendering.image for rendering in taken)
-    return all(np.array_equal(first, other, equal_nan=True) for other in others)
+    return all(np.allclose(first, other, rtol=0, atol=allowed, equal_nan=True) for other in others)
+
+
+def _rounding(method: Method, shot: Shot, rendering: Rendering) -> float:
+    """Return the difference that another order of the fragments can make by rounding alone.
+
+    GPUs add fragments to lists in any order; software renderers keep the order of the draws.
+    """
+    lists, objects = shot.scene.lists, shot.scene.transparent
+    layers = 2 * len(objects) if lists is None else len(lists.z)
+    finite = rendering.image[np.isfinite(rendering.image)]
+    return rounding(method, layers, max(1.0, float(np.abs(finite).max(initial=0.0))))
 
 
 def _finite(value: float) -> float | None:

@@ -12,7 +12,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-from numpy._core._multiarray_umath import __cpu_dispatch__, __cpu_features__
+from numpy._core._multiarray_umath import (  # type: ignore[import-not-found,unused-ignore]
+    __cpu_dispatch__,
+    __cpu_features__,
+)
 
 from oitbench import scene as descriptions
 from oitbench.fingerprints.scene import scene_fingerprint, scene_size

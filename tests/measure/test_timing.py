@@ -1,97 +1,239 @@
-"""Medians, intervals and rounds of made-up times."""
+"""Times of frames under a clock that only the patched parts of the engine advance."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Any, cast
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import ExitStack
+from typing import Any
 
-import numpy as np
 import pytest
 
-from oitbench.gl.draws.records import PassRecord
-from oitbench.gl.frame import Frame, FrameMeasurement
-from oitbench.measure.timing import Samples, interval, measure, times
-from oitbench.results.schema import Interval, PassTime
+from oitbench.errors import CapabilityError
+from oitbench.gl.batches import Batch
+from oitbench.gl.device import Device
+from oitbench.gl.frame import Frame
+from oitbench.gl.program.passes import CompiledPass
+from oitbench.gl.shading.backdrop import Backdrop
+from oitbench.gl.shading.opaque import OpaquePicture
+from oitbench.gl.uploaded_scene import UploadedScene
+from oitbench.measure import timing
+from oitbench.measure.clock import Drawn, Parts, WallClock
+from oitbench.measure.disturbance import Usage
+from oitbench.measure.rounds import WARM_UP, Schedule
+from oitbench.measure.timing import MethodSample, Timings, remark
+from oitbench.results.times import Processor
+from tests.helpers import collection, method
+
+SORT, DRAW, OPAQUE, DERIVE = 5.0, 1.0, 2.0, 0.25
+"""Seconds that the patched parts take."""
+CPU = Processor("abacus", 1)
+NINE = Schedule(9, budget=0.0)
 
 
-class FakeFrame:
-    """A frame that logs its name at each draw."""
+class Time:
+    """A clock that stands still between the patched parts."""
 
-    def __init__(self, name: str, log: list[str]) -> None:
-        self.name, self.log, self.device, self.software = name, log, self, True
+    def __init__(self, patch: pytest.MonkeyPatch, device: Device) -> None:
+        self.seconds, self._patch = 0.0, patch
+        self.clock = WallClock(device.finish, lambda: self.seconds)
+        for owner, name, taken in (
+            (Batch, "arrange", SORT),
+            (CompiledPass, "draw", DRAW),
+            (CompiledPass, "draw_screen", DRAW),
+            (OpaquePicture, "draw", OPAQUE),
+            (Backdrop, "derive", DERIVE),
+        ):
+            self.slow(owner, name, taken)
 
-    def sort(self, permutation: int | None) -> float:
-        assert permutation is None
-        return 0.25
+    def slow(self, owner: type, name: str, taken: float) -> None:
+        """Let a method take some time."""
+        original: Callable[..., Any] = getattr(owner, name)
 
-    def issue(self) -> None:
-        self.log.append(self.name)
+        def slowed(*arguments: Any, **named: Any) -> Any:
+            self.seconds += taken
+            return original(*arguments, **named)
 
-    def finish(self) -> None:
-        pass
-
-
-def rounds_of(names: str, log: Sequence[str]) -> list[tuple[str, ...]]:
-    return [tuple(log[i : i + len(names)]) for i in range(0, len(log), len(names))]
-
-
-def measured(names: str, rounds: int, budget: float, **more: Any) -> tuple[dict[str, Samples], Any]:
-    log: list[str] = []
-    frames = {name: cast(Frame, FakeFrame(name, log)) for name in names}
-    return measure(frames, rounds, budget, **more), rounds_of(names, log)
-
-
-def test_equal_samples_have_an_interval_of_length_zero() -> None:
-    assert interval([3.0] * 5) == Interval(3.0, 3.0, 3.0, [3.0] * 5)
+        self._patch.setattr(owner, name, slowed)
 
 
-def test_a_single_sample_has_an_interval_of_length_zero() -> None:
-    assert interval([7.5]) == Interval(7.5, 7.5, 7.5, [7.5])
+@pytest.fixture
+def time(device: Device, monkeypatch: pytest.MonkeyPatch) -> Time:
+    return Time(monkeypatch, device)
 
 
-def test_the_interval_of_normal_samples_contains_the_median() -> None:
-    samples = np.random.default_rng(5).normal(10.0, 1.0, 401).tolist()
-    found = interval(samples)
-    assert found.samples == samples
-    assert found.median == np.median(samples)
-    assert found.low < 10.0 < found.high
-    # The standard error of the median of a normal sample is 1.253 σ/√n.
-    assert (found.high - found.low) / 2 == pytest.approx(1.96 * 1.253 / 401**0.5, rel=0.4)
+def frames_of(
+    stack: ExitStack, device: Device, scene: str, names: Iterable[str]
+) -> dict[str, Frame]:
+    """Return rendered frames of a scene."""
+    uploaded = stack.enter_context(UploadedScene(device, collection().build_scene(scene)))
+    frames = {}
+    for name in names:
+        chosen = method(name)
+        effects = uploaded.scene.effects & chosen.shows
+        frames[name] = stack.enter_context(Frame(uploaded, chosen, (16, 12), effects))
+        frames[name].render()
+    return frames
 
 
-def test_an_outlier_does_not_change_the_median() -> None:
-    assert interval([1.0, 1.0, 1.0, 1.0, 900.0]).median == 1.0
+def measured(
+    device: Device, time: Time, *names: str, scene: str = "layer_stack[count=3]", **more: Any
+) -> Timings:
+    with ExitStack() as stack:
+        frames = frames_of(stack, device, scene, names)
+        given: Mapping[str, Any] = {"meter": lambda: None, **more}
+        return timing.measure(frames, NINE, time.clock, CPU, **given)
 
 
-def test_the_interval_is_repeatable() -> None:
-    samples = [1.0, 5.0, 2.0, 8.0, 3.0]
-    assert interval(samples, seed=3) == interval(samples, seed=3)
+def test_sorting_is_a_part_of_the_method(device: Device, time: Time) -> None:
+    found = measured(device, time, "sorted_over", "alpha_blend").times
+    sorted_over, alpha_blend = found["sorted_over"], found["alpha_blend"]
+    assert sorted_over.method_ms.samples == [1000 * (SORT + DERIVE + DRAW)] * 9
+    assert sorted_over.sort_ms is not None
+    assert sorted_over.sort_ms.samples == [1000 * SORT] * 9
+    # Geometry that stays in the order of submission is arranged once, before any frame.
+    assert alpha_blend.method_ms.samples == [1000 * (DERIVE + DRAW)] * 9
+    assert alpha_blend.sort_ms is None
 
 
-def test_every_frame_is_timed_once_per_round_in_random_order() -> None:
-    timings, rounds = measured("abcd", rounds=6, budget=60.0, warm_up=2)
-    assert len(rounds) == 8
-    assert all(sorted(one) == list("abcd") for one in rounds)
-    assert len(set(rounds)) > 1
-    assert {name: len(t.frame_ms) for name, t in timings.items()} == dict.fromkeys("abcd", 6)
+def test_a_frame_is_the_sum_of_the_method_and_of_shading(device: Device, time: Time) -> None:
+    found = measured(device, time, "alpha_blend").times["alpha_blend"]
+    assert found.shading_ms.samples == [1000 * OPAQUE] * 9
+    assert found.frame_ms.samples == [1000 * (OPAQUE + DERIVE + DRAW)] * 9
+    assert [part.name for part in found.shading] == ["opaque picture"]
+    assert found.gpu_ms is None
+    assert found.block.clock == "wall"
+    assert found.block.cpu == CPU
 
 
-def test_the_order_depends_on_the_seed() -> None:
-    assert measured("abcd", 6, 60.0, seed=1)[1] == measured("abcd", 6, 60.0, seed=1)[1]
-    assert measured("abcd", 6, 60.0, seed=1)[1] != measured("abcd", 6, 60.0, seed=2)[1]
+def test_every_pass_has_samples(device: Device, time: Time) -> None:
+    found = measured(device, time, "weighted_blended", "sorted_two_pass", "depth_peeling").times
+    names = {name: [part.name for part in one.passes] for name, one in found.items()}
+    assert names == {
+        "weighted_blended": ["start of the frame", "gather", "resolve"],
+        "sorted_two_pass": ["start of the frame", "modulate and add"],
+        "depth_peeling": ["start of the frame", "peel", "add", "attenuate", "combine"],
+    }
+    for one in found.values():
+        assert all(len(part.ms.samples) == 9 for part in one.passes)
+        drawn = one.method_ms.median - (one.sort_ms.median if one.sort_ms else 0.0)
+        assert sum(part.ms.median for part in one.passes) == drawn
+        assert one.remark == ""
+    # Two draws for each of three objects.
+    assert found["sorted_two_pass"].passes[1].ms.median == 1000 * 2 * 3 * DRAW
 
 
-def test_at_least_three_rounds_are_timed() -> None:
-    timings, rounds = measured("ab", rounds=50, budget=0.0, warm_up=1)
-    assert len(rounds) == 4
-    assert len(timings["a"].frame_ms) == 3
+def test_equal_shading_is_timed_once_per_round(
+    device: Device, time: Time, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    calls: list[Frame] = []
+    shade = Frame.shade
+
+    def counted(frame: Frame, *arguments: Any) -> None:
+        calls.append(frame)
+        shade(frame, *arguments)
+
+    monkeypatch.setattr(Frame, "shade", counted)
+    found = measured(device, time, "alpha_blend", "weighted_blended", "a_buffer").times
+    # `a_buffer` has an opaque picture in another number format.
+    assert len(calls) == 2 * 2 * (9 + WARM_UP)
+    assert found["alpha_blend"].shading_ms == found["weighted_blended"].shading_ms
 
 
-def test_frame_sort_and_passes_have_separate_times() -> None:
-    passes = FrameMeasurement([PassRecord("over", 1, 12, 0.5)], [PassRecord("maps", 2, 7, 1.5)], [])
-    found = times(Samples([2.0, 4.0, 9.0], [0.5, 0.25, 0.75]), passes)
-    assert found.sort_ms == 0.5
-    assert found.frame_ms.median == 4.0
-    assert found.frame_ms.samples == [2.0, 4.0, 9.0]
-    assert found.passes == [PassTime("over", 0.5, 12)]
-    assert found.shading == [PassTime("maps", 1.5, 7)]
+def test_effects_of_shading_are_parts_of_shading(device: Device, time: Time) -> None:
+    found = measured(
+        device, time, "alpha_blend", "phenomenological", scene="foggy_street[detail=0.05]"
+    ).times
+    names = {name: {part.name for part in one.shading} for name, one in found.items()}
+    assert {"shadow maps", "opaque picture"} <= names["alpha_blend"]
+    # Fog is drawn by the method: its shading is that of a method without fog.
+    assert found["alpha_blend"].shading_ms == found["phenomenological"].shading_ms
+
+
+def test_a_frame_that_fails_costs_no_other_its_times(
+    device: Device, time: Time, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    composite = Frame.composite
+
+    def failing(frame: Frame, *arguments: Any) -> None:
+        if frame.plan.label == "alpha_blend":
+            raise CapabilityError("no more memory")
+        composite(frame, *arguments)
+
+    monkeypatch.setattr(Frame, "composite", failing)
+    found = measured(device, time, "alpha_blend", "weighted_blended")
+    assert list(found.times) == ["weighted_blended"]
+    assert str(found.errors["alpha_blend"]) == "no more memory"
+
+
+def moments(shares: Iterable[float]) -> Iterator[Usage]:
+    """Yield the CPU time before and after blocks in which others took these shares of it."""
+    for share in shares:
+        yield Usage(0.0, 0.0, 0.0, cores=2)
+        yield Usage(2.0 + 2 * 10 * share, 2.0, 10.0, cores=2)
+
+
+@pytest.mark.parametrize(
+    ("shares", "foreign", "repeated", "disturbed"),
+    [
+        ([0.05], 0.05, False, False),
+        ([0.06, 0.01], 0.01, True, False),
+        ([0.06, 0.20], 0.06, True, True),
+        ([0.30, 0.07], 0.07, True, True),
+    ],
+)
+def test_a_disturbed_block_is_repeated_once_and_then_marked(
+    device: Device,
+    time: Time,
+    shares: list[float],
+    foreign: float,
+    repeated: bool,
+    disturbed: bool,
+) -> None:
+    left = moments(shares)
+    found = measured(device, time, "alpha_blend", meter=lambda: next(left))
+    block = found.times["alpha_blend"].block
+    assert block.foreign == pytest.approx(foreign)
+    assert (block.repeated, block.disturbed) == (repeated, disturbed)
+    assert list(left) == []
+
+
+def test_an_unknown_disturbance_is_no_disturbance(device: Device, time: Time) -> None:
+    block = measured(device, time, "alpha_blend").times["alpha_blend"].block
+    assert (block.foreign, block.repeated, block.disturbed) == (None, False, False)
+
+
+def drawn(ms: float, gpu: float | None = None) -> list[MethodSample]:
+    gpus = [None if gpu is None else gpu + k / 100 for k in range(9)]
+    return [MethodSample(None, Drawn(ms + k / 100, gpus[k])) for k in range(9)]
+
+
+def passes(ms: float) -> list[Parts]:
+    return [Parts({0: ms / 2 + k / 100, 1: ms / 2}, laps=24) for k in range(9)]
+
+
+@pytest.mark.parametrize(
+    ("method", "parts", "text"),
+    [
+        (drawn(10.0), passes(10.0), ""),
+        (drawn(10.0), passes(10.05), ""),
+        (
+            drawn(10.0),
+            passes(12.0),
+            "One by one, the parts of the drawing take 12 ms, 2 ms more than together: the renderer"
+            " is waited for 24 times.",
+        ),
+        (drawn(10.0)[:5], passes(10.0)[:5], "There are too few samples to add up the passes."),
+        (drawn(10.0, gpu=10.0), passes(10.0), ""),
+        (
+            drawn(20.0, gpu=10.0),
+            passes(10.0),
+            "The CPU takes 20 ms to submit the passes, which counts: the GPU needs 10 ms to draw"
+            " them.",
+        ),
+    ],
+    ids=["equal", "within the interval", "waits", "few samples", "GPU", "submission"],
+)
+def test_a_remark_says_why_the_passes_do_not_add_up(
+    method: list[MethodSample], parts: list[Parts], text: str
+) -> None:
+    assert remark(method, parts) == text

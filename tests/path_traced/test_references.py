@@ -17,7 +17,7 @@ from oitbench.path_traced.references.check import check
 from oitbench.path_traced.references.storage import Reference, ReferenceInfo
 from oitbench.path_traced.references.z_test import z_test
 from oitbench.path_traced.trace.render import Estimate
-from oitbench.plugins import own_folder
+from oitbench.places import own_folder
 from oitbench.scene import Camera, Material, Mesh, Object, Scene, Texture
 from tests.path_traced.agreement import needs_mitsuba
 

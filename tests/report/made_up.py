@@ -19,7 +19,6 @@ from oitbench.results.schema import (
     EXACT,
     PATH_TRACED,
     EffectNames,
-    Interval,
     Memory,
     MemoryTerm,
     Nonfinite,
@@ -29,13 +28,12 @@ from oitbench.results.schema import (
     Scores,
     SharedShading,
     Status,
-    Time,
     Traffic,
     TrafficTerm,
     flip_image,
 )
 from oitbench.results.store import IMAGES
-from tests.made_up import failed, outcome_of, record, write
+from tests.made_up import failed, outcome_of, record, timed, write
 
 SIDE = 16
 """Width and height of all pictures, in pixels."""
@@ -155,7 +153,7 @@ def with_effects(
     gone, missing : iterable of str
         Effects that the setting leaves out, and effects that the method cannot express.
     ms : float
-        Frame time.
+        Method time.
     shadow_maps : int
         Bytes of shared shading.
     """
@@ -164,15 +162,9 @@ def with_effects(
         "effects": EffectNames(requested, requested, list(missing)),
         "shading": shading(shadow_maps),
     }
-    return finished(
-        folder, "panes", method, error, effects=effects, time=timed(ms), outcome=outcome
-    )
-
-
-def timed(median: float) -> Time:
-    """Return times with a frame time in milliseconds and an interval of ±0.1 ms."""
-    samples = [median - 0.1, median, median + 0.1]
-    return Time(Interval(median, samples[0], samples[2], samples), 0.0)
+    # Opposite swings give the difference of two cells an interval.
+    time = timed(ms, -0.1 if effects.startswith("-") else 0.1)
+    return finished(folder, "panes", method, error, effects=effects, time=time, outcome=outcome)
 
 
 def shading(count: int) -> SharedShading:

@@ -10,8 +10,8 @@ import msgspec
 
 import oitbench
 from oitbench.results.comparison import Comparison
-from oitbench.results.schema import Interval, Record, Renderer
-from tests.made_up import FACTS, changed, record, write
+from oitbench.results.schema import Record, Renderer
+from tests.made_up import FACTS, changed, interval_of, record, write
 
 ALPHA = "glass[count=4] mean 8x6 effects=requested ssaa=2"
 BETA = "glass[count=4] peel[layers=8] 8x6 effects=requested ssaa=2"
@@ -47,4 +47,4 @@ def exact(name: str, value: float | None) -> Change:
     return field(f"outcome.scores.exact.metrics.{name}", value)
 
 
-slower = field("time.frame_ms", Interval(9.0, 8.0, 10.0, [9.0]))
+slower = field("time.method_ms", interval_of([8.5, *[9.0] * 7, 9.5]))

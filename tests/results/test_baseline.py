@@ -41,7 +41,7 @@ def test_a_baseline_file_is_sorted_and_rounded_and_names_no_machine(
     assert text == json.dumps(content, indent=1, sort_keys=True, ensure_ascii=False) + "\n"
     assert content["renderer"] == "softly"
     assert content["cells"][BETA]["passes"] == "peel × 8, resolve"
-    for word in ("/home", ".exr", "frame_ms", "samples", str(tmp_path)):
+    for word in ("/home", ".exr", "method_ms", "samples", str(tmp_path)):
         assert word not in text
 
 

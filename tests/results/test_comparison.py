@@ -14,7 +14,8 @@ from oitbench.results import comparison as regression
 from oitbench.results.baseline import Snapshot
 from oitbench.results.comparison import TOLERANCES, Comparison, Tolerance
 from oitbench.results.schema import PassRuns, Record
-from tests.made_up import VALUES, changed, failed, record, write
+from oitbench.results.times import Interval
+from tests.made_up import VALUES, changed, failed, record, timed, write
 from tests.results.helpers import ALPHA, BETA, Change, compared, exact, field, slower
 
 SPREADS = {metrics.ORDER_SPREAD_MAX, metrics.ORDER_SPREAD_MEAN}
@@ -175,9 +176,9 @@ def test_missing_and_orphaned_cells_are_differences(before: Path) -> None:
 def test_a_change_of_time_is_a_difference_that_does_not_fail(before: Path) -> None:
     comparison = compared(before, slower)
     assert comparison.passed
-    assert found(comparison) == [("slower", ALPHA, "frame_ms")]
+    assert found(comparison) == [("slower", ALPHA, "method_ms")]
     back = oitbench.compare(before, before.parent / "now")
-    assert found(back) == [("faster", ALPHA, "frame_ms")]
+    assert found(back) == [("faster", ALPHA, "method_ms")]
 
 
 def test_times_of_two_renderers_are_not_compared(before: Path) -> None:
@@ -185,7 +186,17 @@ def test_times_of_two_renderers_are_not_compared(before: Path) -> None:
 
 
 def test_times_whose_intervals_overlap_are_equal(before: Path) -> None:
-    assert compared(before, field("time.frame_ms.high", 2.3)).differences == ()
+    assert compared(before, field("time.method_ms.high", 2.3)).differences == ()
+
+
+def test_times_without_an_interval_are_not_compared(before: Path) -> None:
+    few = Interval(9.0, None, None, None, [9.0] * 5)
+    assert compared(before, field("time.method_ms", few)).differences == ()
+
+
+def test_times_that_were_disturbed_are_not_compared(before: Path) -> None:
+    assert compared(before, field("time", timed(9.0))).differences != ()
+    assert compared(before, field("time", timed(9.0, foreign=0.06))).differences == ()
 
 
 def test_a_file_that_does_not_exist_is_refused(before: Path) -> None:

@@ -8,7 +8,7 @@ from __future__ import annotations
 import shutil
 from pathlib import Path
 
-from oitbench.plugins import own_folder
+from oitbench.places import own_folder
 from oitbench.results import baseline
 from oitbench.results import comparison as regression
 from oitbench.results.baseline import Snapshot
@@ -24,7 +24,7 @@ def test_every_method_reproduces_the_baseline(tmp_path: Path) -> None:
 
 def test_the_baseline_names_no_machine() -> None:
     text = guard.BASELINE.read_text(encoding="utf-8")
-    assert "frame_ms" not in text
+    assert "method_ms" not in text
     assert ".exr" not in text
     assert str(Path.home()) not in text
     assert str(own_folder()) not in text

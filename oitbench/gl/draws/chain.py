@@ -11,7 +11,7 @@ import moderngl
 from oitbench.gl.batches import Batch, IndexOrder
 from oitbench.gl.device import Device
 from oitbench.gl.draws.executor import CompiledStep, Executor
-from oitbench.gl.draws.records import PassRecord, Term, terms_of
+from oitbench.gl.draws.records import Lap, PassRecord, Term, no_lap, terms_of
 from oitbench.gl.geometry import Geometry
 from oitbench.gl.ownership import Owner
 from oitbench.gl.program.passes import Blueprint, attach, compile_pass
@@ -24,7 +24,7 @@ Size = tuple[int, int]
 
 @dataclass
 class Measurement:
-    """Measurements of the passes of one or more chains.
+    """Counts of the passes of one or more chains.
 
     Parameters
     ----------
@@ -49,7 +49,7 @@ class _Link:
 
 
 class Chain(Owner):
-    """Passes of the engine that are issued in order, and measured on request.
+    """Passes of the engine that are issued in order, and counted on request.
 
     Parameters
     ----------
@@ -132,12 +132,16 @@ class Chain(Owner):
         if batch is not None:
             self._orders[batch] = self._geometry.in_submission_order(batch)
 
-    def issue(self, scissor: Scissor | None = None) -> None:
-        """Issue all passes."""
-        self._executor.issue(self._steps, self._orders, scissor)
+    def issue(self, scissor: Scissor | None = None, lap: Lap = no_lap) -> None:
+        """Issue all passes; `lap` is called with the label of each after it."""
+
+        def ended(place: int) -> None:
+            lap(self._links[place].label)
+
+        self._executor.issue(self._steps, self._orders, scissor, lap=ended)
 
     def measure(self, into: Measurement) -> None:
-        """Issue all passes, wait for each, and add the measurements to `into`."""
+        """Issue all passes, and add their counts to `into`."""
         records = [PassRecord(link.label) for link in self._links]
         self._executor.issue(self._steps, self._orders, records=records)
         for link, record in zip(self._links, records, strict=True):
@@ -145,7 +149,6 @@ class Chain(Owner):
             total = into.records.setdefault(link.label, PassRecord(link.label))
             total.runs += record.runs
             total.fragments += record.fragments
-            total.milliseconds += record.milliseconds
 
     def _named(self, aliases: Mapping[str, str]) -> dict[str, Target]:
         return {alias: self._targets[name] for alias, name in aliases.items()}

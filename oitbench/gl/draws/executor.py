@@ -1,10 +1,9 @@
-"""Issuing and measuring the steps of a frame: passes, interleaved passes and loops."""
+"""Issuing and counting the steps of a frame: passes, interleaved passes and loops."""
 
 from __future__ import annotations
 
-import time
-from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
-from contextlib import contextmanager, nullcontext
+from collections.abc import Callable, Hashable, Mapping, Sequence
+from contextlib import nullcontext
 from dataclasses import dataclass
 
 import moderngl
@@ -12,7 +11,7 @@ import numpy as np
 
 from oitbench.gl.batches import IndexOrder
 from oitbench.gl.device import Device
-from oitbench.gl.draws.records import PassRecord
+from oitbench.gl.draws.records import PassRecord, no_lap
 from oitbench.gl.program.bindings import Access
 from oitbench.gl.program.passes import CompiledPass
 from oitbench.gl.tiling import Scissor
@@ -45,7 +44,7 @@ def _no_counts() -> dict[Access, int]:
 
 
 class Executor:
-    """Issues compiled steps, and measures them on request.
+    """Issues compiled steps, and counts their work on request.
 
     Parameters
     ----------
@@ -74,6 +73,7 @@ class Executor:
         orders: Mapping[Hashable, IndexOrder],
         scissor: Scissor | None = None,
         records: Sequence[PassRecord] | None = None,
+        lap: Callable[[int], None] = no_lap,
     ) -> None:
         """Issue all steps once.
 
@@ -85,8 +85,11 @@ class Executor:
         scissor : (int, int, int, int), optional
             Part of the frame to draw; downsampled targets are drawn as a whole. Default: all.
         records : sequence of PassRecord, optional
-            One record per pass, in order, to which the measurements are added. Measuring waits
-            after every draw.
+            One record per pass, in order, to which the counts are added. Counting waits after
+            every draw.
+        lap : callable, optional
+            Called after every draw with the pass's place in order; for interleaved passes once,
+            after the last of them, with the place of the first.
         """
         first = 0
         for compiled in steps:
@@ -95,13 +98,22 @@ class Executor:
             draws = _Draws(self._device, self._views, orders, scissor, mine, self._take_counts)
             if isinstance(compiled.step, Interleaved):
                 draws.interleave(compiled)
+                lap(first)
             elif isinstance(compiled.step, Loop):
-                self._loop(compiled, compiled.step, draws)
+                self._loop(compiled, compiled.step, draws, lap, first)
             else:
                 draws.draw(0, compiled.passes[0])
+                lap(first)
             first += count
 
-    def _loop(self, compiled: CompiledStep, loop: Loop, draws: _Draws) -> None:
+    def _loop(
+        self,
+        compiled: CompiledStep,
+        loop: Loop,
+        draws: _Draws,
+        lap: Callable[[int], None],
+        first: int,
+    ) -> None:
         done = 0
         for number in range(loop.times):
             self._set_iteration(number)
@@ -109,13 +121,15 @@ class Executor:
             for index, item in enumerate(compiled.rounds[number % len(compiled.rounds)]):
                 queried = item.step.name == loop.until_empty
                 passed = draws.draw(index, item, queried=queried)
+                lap(first + index)
                 empty = empty or (queried and passed == 0)
             done = number + 1
             if empty:
                 break
-        if done % 2 and self._copy is not None:
+        if done % 2 and self._copy is not None and loop.swaps:
             for one, other in loop.swaps:
                 self._copy(other, one)
+            lap(first + len(loop.passes) - 1)
         self._set_iteration(0)
 
     def _set_iteration(self, iteration: int) -> None:
@@ -149,18 +163,16 @@ class _Draws:
         unit: tuple[int, int] | None = None,
         queried: bool = False,
     ) -> int:
-        """Draw one pass; return the samples that passed if they were `queried` or measured."""
+        """Draw one pass; return the samples that passed if they were `queried` or counted."""
         record = self.records[index] if self.records is not None else None
-        measured = queried or record is not None
-        query = self.device.samples_query if measured else None
-        with self._timed(record):
-            for framebuffer, entry, value in item.clears:
-                framebuffer.use()
-                framebuffer.scissor = self._within(framebuffer, item)
-                self.device.clear(0, entry, value)
-            item.begin(self.views[item.subsample], self._within(item.framebuffer, item))
-            with query or nullcontext():
-                self._submit(item, unit)
+        query = self.device.samples_query if queried or record is not None else None
+        for framebuffer, entry, value in item.clears:
+            framebuffer.use()
+            framebuffer.scissor = self._within(framebuffer, item)
+            self.device.clear(0, entry, value)
+        item.begin(self.views[item.subsample], self._within(item.framebuffer, item))
+        with query or nullcontext():
+            self._submit(item, unit)
         passed = int(query.samples) if query is not None else 0
         if record is not None:
             # Early tests also count fragments that the scene's shader discards; a pass that
@@ -168,6 +180,8 @@ class _Draws:
             stored = isinstance(item.step, Gather) and bool(item.step.buffers)
             record.fragments += 0 if stored else passed
             record.runs += 1
+            for key, count in self.take_counts().items():
+                record.accesses[key] = record.accesses.get(key, 0) + count
         return passed
 
     def _submit(self, item: CompiledPass, unit: tuple[int, int] | None) -> None:
@@ -184,16 +198,3 @@ class _Draws:
         if self.scissor is not None and item.subsample == 1:
             return self.scissor
         return (0, 0, *framebuffer.size)
-
-    @contextmanager
-    def _timed(self, record: PassRecord | None) -> Iterator[None]:
-        if record is None:
-            yield
-            return
-        self.device.finish()
-        start = time.perf_counter()
-        yield
-        self.device.finish()
-        record.milliseconds += 1e3 * (time.perf_counter() - start)
-        for key, count in self.take_counts().items():
-            record.accesses[key] = record.accesses.get(key, 0) + count

@@ -1,8 +1,8 @@
-"""Measurements of a pass, and the bytes that follow from them. Nothing here needs OpenGL."""
+"""Counts of a pass, and the bytes that follow from them. Nothing here needs OpenGL."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Hashable, Mapping
 from dataclasses import dataclass, field
 from typing import Literal
 
@@ -14,9 +14,17 @@ from oitbench.method.storage import Buffer, Target
 Kind = Literal["clear", "read", "write", "blend", "atomic"]
 
 
+Lap = Callable[[Hashable], None]
+"""Called with the key of a part of a frame when that part has been issued, to time it."""
+
+
+def no_lap(key: Hashable) -> None:
+    """Time nothing."""
+
+
 @dataclass
 class PassRecord:
-    """Measurements of one pass in a frame.
+    """Counts of one pass in a frame.
 
     Parameters
     ----------
@@ -25,8 +33,6 @@ class PassRecord:
         Issued draws of the screen, or of all geometry.
     fragments : int
         Samples that passed the depth test, or fragments stored in buffers.
-    milliseconds : float
-        Wall-clock time, including the wait after every draw.
     accesses : dict
         Number of accesses to buffers.
     """
@@ -34,7 +40,6 @@ class PassRecord:
     name: str
     runs: int = 0
     fragments: int = 0
-    milliseconds: float = 0.0
     accesses: dict[Access, int] = field(default_factory=dict)
 
 

@@ -143,21 +143,25 @@ def _programmable(item: Pass, targets: Mapping[str, Target], mechanism: str) -> 
 
 
 def deliver(item: Gather, mechanism: str) -> str:
-    """Return the function through which the scene's shader passes a fragment to `gather`."""
+    """Return the macro by which `main` of the scene's shader passes a fragment to `gather`.
+
+    It is no function: interlocks may only begin and end in `main`, outside of any branch.
+    """
     if mechanism == FETCH or not is_programmable(item):
-        return "void deliver(Fragment fragment) { gather(fragment); }"
+        return "#define DELIVER(fragment) gather(fragment);"
+    pixel = "ivec2 pixel = ivec2(gl_FragCoord.xy);"
     work = "LOAD_TARGETS(pixel) gather(fragment); STORE_TARGETS(pixel)"
     if mechanism == INTERLOCK:
         return (
-            "void deliver(Fragment fragment) { ivec2 pixel = ivec2(gl_FragCoord.xy);"
-            f" beginInvocationInterlockARB(); {work} endInvocationInterlockARB(); }}"
+            f"#define DELIVER(fragment) {pixel} beginInvocationInterlockARB();"
+            f" {work} endInvocationInterlockARB();"
         )
     return (
-        "void deliver(Fragment fragment) { ivec2 pixel = ivec2(gl_FragCoord.xy);"
+        f"#define DELIVER(fragment) {pixel}"
         " bool waiting = !gl_HelperInvocation; while (waiting) {"
         " if (imageAtomicCompSwap(lock_image, pixel, 0u, 1u) == 0u) {"
         f" {work} memoryBarrier(); imageAtomicExchange(lock_image, pixel, 0u);"
-        " waiting = false; } } }"
+        " waiting = false; } }"
     )
 
 

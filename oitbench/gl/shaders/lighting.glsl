@@ -28,7 +28,9 @@ vec3 irradiance(int i, vec3 position) {
         return beams[i].color.rgb;
     }
     vec3 offset = position - beams[i].place.xyz;
-    float angle = acos(clamp(dot(normalize(offset), beams[i].axis.xyz), -1.0, 1.0));
+    // Drivers round acos coarsely near one.
+    vec3 toward = normalize(offset);
+    float angle = atan(length(cross(toward, beams[i].axis.xyz)), dot(toward, beams[i].axis.xyz));
     float half_angle = beams[i].axis.w;
     float falloff = clamp((half_angle - angle) / (beams[i].range.z * half_angle), 0.0, 1.0);
     return beams[i].color.rgb * falloff / max(dot(offset, offset), 1e-8);

@@ -31,5 +31,5 @@ void main() {
 #ifdef OWN_DEPTH
     gl_FragDepth = fragment.depth;
 #endif
-    deliver(fragment);
+    DELIVER(fragment)
 }

@@ -97,5 +97,5 @@ void main() {
 #ifdef DETAILED
     add_reflection(fragment, normal, toward, gradient);
 #endif
-    deliver(fragment);
+    DELIVER(fragment)
 }

@@ -51,7 +51,8 @@ class Backdrop(Owner):
             picture = OpaquePicture(
                 device, geometry, color, depth, target, view, samples, plan.effects, shading
             )
-            self._pictures = [self.own(picture)]
+            self._picture = self.own(picture)
+            self._centers: OpaquePicture | None = None
             if plan.copies_depth:
                 copied = self.own(device.texture(size, DEPTH.texel, samples))
                 self.textures[DEPTH_COPY] = copied
@@ -66,13 +67,17 @@ class Backdrop(Owner):
         picture = OpaquePicture(
             self._device, geometry, color, depth, target, view, effects=self._plan.effects
         )
-        self._pictures.append(self.own(picture))
+        self._centers = self.own(picture)
         self.textures[DEPTH_AT_CENTERS] = depth
 
     def draw(self, transmittance: bool) -> None:
-        """Draw all pictures; `transmittance` shows a background of one instead of radiance."""
-        for picture in self._pictures:
-            picture.draw(transmittance)
+        """Draw the picture; `transmittance` shows a background of one instead of radiance."""
+        self._picture.draw(transmittance)
+
+    def derive(self) -> None:
+        """Draw and copy the further depths that passes of this plan need."""
+        if self._centers is not None:
+            self._centers.draw()
         if DEPTH_COPY in self.textures:
             self._device.copy(
                 self.textures[OPAQUE_DEPTH], self.textures[DEPTH_COPY], self._plan.size,

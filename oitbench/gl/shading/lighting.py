@@ -8,6 +8,7 @@ import numpy as np
 from oitbench.effects import Effect
 from oitbench.gl.device import Device
 from oitbench.gl.draws.chain import Measurement
+from oitbench.gl.draws.records import Lap, no_lap
 from oitbench.gl.geometry import Geometry
 from oitbench.gl.ownership import Owner
 from oitbench.gl.program.bindings import LIGHTS_BINDING, MEDIUM_BINDING
@@ -128,12 +129,12 @@ class Lighting(Owner):
         if not self._drawn:
             self.issue()
 
-    def issue(self) -> None:
-        """Draw all shadow maps."""
+    def issue(self, lap: Lap = no_lap) -> None:
+        """Draw all shadow maps; `lap` ends each part."""
         self._drawn = True
         for maps in self.maps:
             if maps is not None:
-                maps.issue()
+                maps.issue(lap)
 
     def measure(self, into: Measurement) -> None:
         """Draw all shadow maps, and add one record per stage to `into`."""

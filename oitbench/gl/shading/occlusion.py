@@ -9,6 +9,7 @@ from __future__ import annotations
 from oitbench.effects import Effect
 from oitbench.gl.device import Device
 from oitbench.gl.draws.chain import Chain, Measurement
+from oitbench.gl.draws.records import Lap, no_lap
 from oitbench.gl.geometry import Geometry
 from oitbench.gl.ownership import Owner
 from oitbench.gl.program.passes import Blueprint
@@ -96,10 +97,10 @@ class Occlusion(Owner):
         if not self._drawn:
             self.issue()
 
-    def issue(self) -> None:
-        """Compute the openness of all pixels."""
+    def issue(self, lap: Lap = no_lap) -> None:
+        """Compute the openness of all pixels; `lap` ends each pass."""
         self._drawn = True
-        self._chain.issue()
+        self._chain.issue(lap=lap)
 
     def measure(self, into: Measurement) -> None:
         """Compute the openness, and add one record per pass to `into`."""

@@ -13,6 +13,7 @@ import moderngl
 from oitbench.effects import Effect
 from oitbench.gl.device import Device
 from oitbench.gl.draws.chain import Chain, Measurement
+from oitbench.gl.draws.records import Lap, no_lap
 from oitbench.gl.geometry import Geometry
 from oitbench.gl.ownership import Owner
 from oitbench.gl.program.passes import Blueprint
@@ -142,9 +143,9 @@ class ShadowMaps(Owner):
             taps = {"source": _TAPS}
             self._chain.add(tent, self._blueprint, _FILTERED, taps=taps, names=names)
 
-    def issue(self) -> None:
-        """Draw and filter all maps."""
-        self._chain.issue()
+    def issue(self, lap: Lap = no_lap) -> None:
+        """Draw and filter all maps; `lap` ends "shadow maps" and "variance maps"."""
+        self._chain.issue(lap=lap)
 
     def measure(self, into: Measurement) -> None:
         """Draw and filter all maps, and add "shadow maps" and "variance maps" to `into`."""

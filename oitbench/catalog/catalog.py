@@ -1,0 +1,205 @@
+"""The near end: what a command knows about plugins, and the selection of some of them."""
+
+from __future__ import annotations
+
+import itertools
+import logging
+import os
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from importlib.metadata import entry_points
+from pathlib import Path
+
+from oitbench import parameters as selectors
+from oitbench.catalog.messages import (
+    Axes,
+    AxesFound,
+    Describe,
+    Entry,
+    Kind,
+    Nothing,
+    Reply,
+    Resolve,
+    Resolved,
+)
+from oitbench.errors import OitbenchError
+from oitbench.parameters import Selector
+from oitbench.places import GROUP, Names, Places, own_folder
+from oitbench.workers import memory
+from oitbench.workers.messages import Step
+from oitbench.workers.process import Process
+
+_LOAD_SECONDS = 30.0
+_LOADING = Step("loading the file")
+_LOG = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True)
+class Choice:
+    """A method or a scene with values of its parameters.
+
+    Parameters
+    ----------
+    label : str
+        Canonical, except if the plugin cannot be used.
+    name : str
+    error : str
+        Why the plugin cannot be used, in one line; else empty.
+    """
+
+    label: str
+    name: str
+    error: str = ""
+
+
+class Catalog:
+    """All plugins that can be used by name; a context manager.
+
+    A worker loads the files, each when it is first asked for.
+
+    Parameters
+    ----------
+    extra : iterable of path
+        Further collection folders.
+    memory_limit : int, optional
+        Bytes that the worker may use. Default: the share of a single worker.
+    load_seconds : float
+        Time in which each file must be loaded.
+
+    Attributes
+    ----------
+    places : Places
+    problems : list of str
+        Why installed collections cannot be used, one line for each.
+
+    Raises
+    ------
+    UsageError
+        A folder does not exist or is no collection, or two plugins have one name.
+    """
+
+    def __init__(
+        self,
+        extra: Iterable[Path | str] = (),
+        memory_limit: int | None = None,
+        load_seconds: float = _LOAD_SECONDS,
+    ) -> None:
+        limit = memory.share(1) if memory_limit is None else memory_limit
+        self._worker = Process("oitbench.catalog.worker", Nothing(), Reply, limit)
+        self._load_seconds = load_seconds
+        self._entries: dict[tuple[Kind, str], Entry] = {}
+        self.problems: list[str] = []
+        # It needs longest, so it starts first.
+        self._worker.start()
+        try:
+            self.places = Places((own_folder(), *self._installed(), *map(Path, extra)))
+        except BaseException:
+            self._worker.stop()
+            raise
+
+    def __enter__(self) -> Catalog:
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self._worker.stop()
+
+    def _installed(self) -> Iterator[Path]:
+        """Yield the folders that installed packages register as collections."""
+        for entry in entry_points(group=GROUP):
+            try:
+                request = Resolve(entry.value)
+                found = self._worker.ask(request, Resolved, self._load_seconds, _LOADING)
+            except OitbenchError as error:
+                self.problems.append(f"collection {entry.value}: {error}")
+                _LOG.warning("%s", self.problems[-1])
+                continue
+            yield Path(os.fsdecode(found.folder))
+
+    def names(self, kind: Kind) -> list[str]:
+        """Return the names of all plugins of a kind."""
+        return list(self._paths(kind))
+
+    def path(self, kind: Kind, name: str) -> Path:
+        """Return the file of a plugin; raise `UsageError` with near names if there is none."""
+        return self._paths(kind)[name]
+
+    def _paths(self, kind: Kind) -> Names:
+        places = self.places
+        return {"method": places.methods, "scene": places.scenes, "report": places.reports}[kind]
+
+    def entry(self, kind: Kind, name: str, check: bool = False) -> Entry:
+        """Return the description of a plugin.
+
+        Parameters
+        ----------
+        kind, name : str
+        check : bool
+            Whether to load the file of a report, which is slow, and not only to parse it.
+
+        Raises
+        ------
+        UsageError
+            There is no such plugin.
+        """
+        path = self.path(kind, name)
+        if (kind, name) not in self._entries or check:
+            request = Describe(kind, name, os.fsencode(path), check)
+            try:
+                found = self._worker.ask(request, Entry, self._load_seconds, _LOADING)
+            except OitbenchError as error:
+                found = Entry(name, error=f"{path}: {error}")
+            self._entries[kind, name] = found
+        return self._entries[kind, name]
+
+    def expand_methods(self, texts: Iterable[str]) -> list[Choice]:
+        """Return all methods that the selectors `NAME[param=v,w]` or `FOLDER[param=v]` select."""
+        chosen: dict[str, Choice] = {}
+        for text in texts:
+            parsed = selectors.parse(text)
+            name = self.places.find_method(parsed.name)
+            for choice in self._expand("method", Selector(name, parsed.grid)):
+                chosen[choice.label] = choice
+        return list(chosen.values())
+
+    def expand_scenes(self, texts: Iterable[str]) -> list[Choice]:
+        """Return all scenes that the selectors `NAME[param=v,w]` select."""
+        chosen: dict[str, Choice] = {}
+        for text in texts:
+            for choice in self._expand("scene", selectors.parse(text)):
+                chosen[choice.label] = choice
+        return list(chosen.values())
+
+    def _expand(self, kind: Kind, parsed: Selector) -> Iterator[Choice]:
+        entry = self.entry(kind, parsed.name)
+        if entry.error:
+            # The parameters are unknown, so the values stay as they were written.
+            for texts in itertools.product(*parsed.grid.values()):
+                written = {key: (text,) for key, text in zip(parsed.grid, texts, strict=True)}
+                yield Choice(selectors.selector(entry.name, written), entry.name, entry.error)
+            return
+        for values in selectors.expand(parsed, entry.parameters):
+            label = selectors.label(entry.name, values, entry.parameters)
+            yield Choice(label, entry.name)
+
+    def effects_axes(
+        self, scene: Choice, methods: Sequence[Choice], timeout: float | None
+    ) -> dict[str, list[str]]:
+        """Return the values of "each" on the axis of effects by the label of a method.
+
+        The scene is built. If that fails, or takes longer than `timeout` seconds, nothing is
+        returned: the cells of the scene will report why.
+        """
+        usable = [method for method in methods if not method.error]
+        if scene.error or not usable:
+            return {}
+        request = Axes(
+            scene.label,
+            [method.label for method in usable],
+            os.fsencode(self.path("scene", scene.name)),
+            {method.name: os.fsencode(self.path("method", method.name)) for method in usable},
+        )
+        with suppress(OitbenchError):
+            found = self._worker.ask(request, AxesFound, timeout)
+            return {m.label: axis for m, axis in zip(usable, found.axes, strict=True)}
+        return {}

@@ -1,0 +1,84 @@
+"""The messages between a catalog and its worker."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from msgspec import Struct
+
+from oitbench.parameters import AnyParameter
+
+Kind = Literal["method", "scene", "report"]
+
+
+class Nothing(Struct, frozen=True):
+    """The settings of the worker: none, since each request names the files that it needs."""
+
+
+class Resolve(Struct, frozen=True, tag=True):
+    """Asks for the folder of an installed collection, `MODULE:NAME`."""
+
+    value: str
+
+
+class Describe(Struct, frozen=True, tag=True):
+    """Asks for the entry of a plugin. Unless it is to be checked, a report is only parsed."""
+
+    kind: Kind
+    name: str
+    path: bytes
+    check: bool = False
+
+
+class Axes(Struct, frozen=True, tag=True):
+    """Asks for the values of "each" on the axis of effects, for methods in a scene.
+
+    Labels select them, and `paths` are their files by name.
+    """
+
+    scene: str
+    methods: list[str]
+    scene_path: bytes
+    method_paths: dict[str, bytes]
+
+
+class Resolved(Struct, frozen=True, tag=True):
+    """The folder of an installed collection."""
+
+    folder: bytes
+
+
+class Entry(Struct, frozen=True, tag=True):
+    """A plugin.
+
+    Parameters
+    ----------
+    name : str
+    title : str
+        The first line of its docstring.
+    parameters : dict of str to Parameter
+    quick : bool
+        Whether the quick preset includes it.
+    promises, expresses : list of str
+        Of a method with its default parameters.
+    error : str
+        Why the plugin cannot be used, in one line; then nothing else is known.
+    """
+
+    name: str
+    title: str = ""
+    parameters: dict[str, AnyParameter] = {}
+    quick: bool = True
+    promises: list[str] = []
+    expresses: list[str] = []
+    error: str = ""
+
+
+class AxesFound(Struct, frozen=True, tag=True):
+    """The axis of each method, in the order of the request."""
+
+    axes: list[list[str]]
+
+
+Request = Resolve | Describe | Axes
+Reply = Resolved | Entry | AxesFound

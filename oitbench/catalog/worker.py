@@ -1,0 +1,99 @@
+"""The far end of a catalog: loads the files of plugins and describes them."""
+
+from __future__ import annotations
+
+import ast
+import os
+from collections.abc import Callable
+from pathlib import Path
+
+from oitbench.catalog.messages import (
+    AxesFound,
+    Describe,
+    Entry,
+    Nothing,
+    Reply,
+    Request,
+    Resolve,
+    Resolved,
+)
+from oitbench.effects import names
+from oitbench.errors import DeclarationError, locate
+from oitbench.method.ablation import effects_axis
+from oitbench.places import Places
+from oitbench.plugins import Collection, installed_folder
+from oitbench.workers.serve import OnStep, serve
+
+
+def _begin(settings: Nothing, on_step: OnStep) -> Callable[[Request], Reply]:
+    collection = Collection(Places())
+
+    def answer(request: Request) -> Reply:
+        if isinstance(request, Resolve):
+            return Resolved(os.fsencode(installed_folder(request.value)))
+        if isinstance(request, Describe):
+            return _describe(collection, request)
+        for name, path in request.method_paths.items():
+            collection.places.methods.add(name, _path(path))
+        collection.places.scenes.add(request.scene.partition("[")[0], _path(request.scene_path))
+        effects = collection.build_scene(request.scene).effects
+        methods = collection.expand_methods(request.methods)
+        return AxesFound([list(effects_axis(effects, method)) for method in methods])
+
+    return answer
+
+
+def _path(encoded: bytes) -> Path:
+    return Path(os.fsdecode(encoded))
+
+
+def _describe(collection: Collection, request: Describe) -> Entry:
+    path = _path(request.path)
+    try:
+        if request.kind == "method":
+            return _method(collection, request.name, path)
+        if request.kind == "scene":
+            return _scene(collection, request.name, path)
+        return _report(collection, request.name, path, request.check)
+    except DeclarationError as error:
+        return Entry(request.name, error=str(error))
+
+
+def _method(collection: Collection, name: str, path: Path) -> Entry:
+    collection.places.methods.add(name, path)
+    method = collection.methods[name]
+    default = method()
+    return Entry(
+        name,
+        _title(method.__doc__),
+        dict(method.parameters),
+        bool(default.quick),
+        sorted(default.promises),
+        [effect.lower() for effect in names(default.expresses)],
+    )
+
+
+def _scene(collection: Collection, name: str, path: Path) -> Entry:
+    collection.places.scenes.add(name, path)
+    scene = collection.scenes[name]
+    return Entry(name, _title(scene.doc), dict(scene.parameters), bool(scene.quick))
+
+
+def _report(collection: Collection, name: str, path: Path, check: bool) -> Entry:
+    """Return the entry of a report; by default its file is only parsed, which is fast."""
+    if check:
+        collection.places.reports.add(name, path)
+        return Entry(name, _title(collection.reports[name].__doc__))
+    try:
+        return Entry(name, _title(ast.get_docstring(ast.parse(path.read_bytes()))))
+    except (SyntaxError, ValueError, OSError) as error:
+        raise DeclarationError(locate(error, path)) from error
+
+
+def _title(doc: str | None) -> str:
+    return (doc or "").strip().partition("\n")[0]
+
+
+def main() -> None:
+    """Serve the catalog that started this process."""
+    serve(Nothing, Request, _begin)

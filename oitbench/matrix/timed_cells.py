@@ -1,0 +1,100 @@
+"""Times the cells of a scene, and checks that the timed pictures are those that were scored."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from contextlib import ExitStack
+
+from msgspec import Struct
+
+from oitbench.errors import OitbenchError
+from oitbench.gl.device import Device
+from oitbench.gl.frame import Frame, Image
+from oitbench.gl.uploaded_scene import UploadedScene
+from oitbench.matrix import machine
+from oitbench.matrix.cell import Cell, choose_effects
+from oitbench.measure import timing
+from oitbench.measure.agreement import difference
+from oitbench.measure.clock import clock_of
+from oitbench.measure.rounds import Schedule
+from oitbench.plugins import Collection
+from oitbench.results.times import Time
+
+
+class ScoredCell(Struct, frozen=True):
+    """A cell that has been scored, and the digest of the plan that its picture comes from."""
+
+    cell: Cell
+    plan: str
+
+
+class Timing(Struct, frozen=True):
+    """The times of a cell, or the reason why there are none.
+
+    `suspect` says that the method draws something else while it is timed.
+    """
+
+    time: Time | None = None
+    reason: str = ""
+    suspect: bool = False
+
+
+def time_cells(
+    device: Device, collection: Collection, cells: Sequence[ScoredCell], schedule: Schedule
+) -> list[Timing]:
+    """Time the cells of one scene against each other; return their times in order.
+
+    A cell that fails has a reason, and does not affect the others.
+    """
+    found: dict[str, Timing] = {}
+    with ExitStack() as stack:
+        scene = collection.build_scene(cells[0].cell.scene)
+        uploaded = stack.enter_context(UploadedScene(device, scene))
+        frames: dict[str, Frame] = {}
+        for scored in cells:
+            name = str(scored.cell.key)
+            try:
+                frame = stack.enter_context(_frame(uploaded, collection, scored.cell))
+                frame.render()
+            except OitbenchError as error:
+                found[name] = Timing(reason=str(error))
+                continue
+            if frame.plan.digest == scored.plan:
+                frames[name] = frame
+            else:
+                reason = "the method declares other passes when it is timed"
+                found[name] = Timing(reason=reason, suspect=True)
+        clock = stack.enter_context(clock_of(device))
+        measured = timing.measure(frames, schedule, clock, machine.processor())
+        found |= {name: Timing(reason=str(error)) for name, error in measured.errors.items()}
+        for scored in cells:
+            name = str(scored.cell.key)
+            if name in measured.times:
+                found[name] = _checked(
+                    frames[name], uploaded, collection, scored.cell, measured.times[name]
+                )
+    return [found[str(scored.cell.key)] for scored in cells]
+
+
+def _checked(
+    frame: Frame, uploaded: UploadedScene, collection: Collection, cell: Cell, time: Time
+) -> Timing:
+    """Return the times of a frame if its picture is the one that is scored."""
+    with _frame(uploaded, collection, cell) as accurate:
+
+        def render() -> Image:
+            accurate.render()
+            return accurate.image()
+
+        try:
+            reason = difference(frame.image(), render)
+        except OitbenchError as error:
+            return Timing(reason=str(error))
+    return Timing(reason=reason, suspect=True) if reason else Timing(time)
+
+
+def _frame(uploaded: UploadedScene, collection: Collection, cell: Cell) -> Frame:
+    """Return a frame of the cell without sub-pixels."""
+    (method,) = collection.expand_methods([cell.method])
+    effects = choose_effects(cell.effects, uploaded.scene.effects) & method.shows
+    return Frame(uploaded, method, cell.size, effects)

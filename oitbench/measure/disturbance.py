@@ -1,0 +1,72 @@
+"""The CPU time that other processes take while something is timed."""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+
+_WORKING = ("user", "nice", "system", "irq", "softirq", "steal")
+"""Fields of the system's accounts that are not idle; another virtual machine steals time too."""
+
+
+@dataclass(frozen=True)
+class Usage:
+    """CPU time so far, in seconds, from any origin.
+
+    Parameters
+    ----------
+    all : float
+        Of everything that ran on the cores that this process may use.
+    own : float
+        Of this process with all its threads, and of its children that ended.
+    wall : float
+        Time of a clock on the wall.
+    cores : int
+    """
+
+    all: float
+    own: float
+    wall: float
+    cores: int
+
+
+Meter = Callable[[], Usage | None]
+
+
+def usage() -> Usage | None:
+    """Return the CPU time so far; None if the system does not account for it."""
+    import psutil
+
+    try:
+        accounts = psutil.cpu_times(percpu=True)
+    except (OSError, NotImplementedError, RuntimeError):
+        return None
+    usable = [number for number in usable_cores() if number < len(accounts)]
+    working = sum(getattr(accounts[core], kind, 0.0) for core in usable for kind in _WORKING)
+    own = os.times()
+    spent = own.user + own.system + own.children_user + own.children_system
+    return Usage(working, spent, time.monotonic(), len(usable))
+
+
+def usable_cores() -> list[int]:
+    """Return the numbers of the cores that this process may use."""
+    if hasattr(os, "sched_getaffinity"):
+        return sorted(os.sched_getaffinity(0))
+    return list(range(os.cpu_count() or 1))
+
+
+def foreign_share(before: Usage | None, after: Usage | None) -> float | None:
+    """Return the share of the CPU time that other processes took between two moments.
+
+    It is relative to all time of all usable cores: 0 on an idle machine, and 0.5 if one of two
+    cores was busy with something else. None if it is unknown.
+    """
+    if before is None or after is None:
+        return None
+    offered = (after.wall - before.wall) * after.cores
+    if offered <= 0:
+        return None
+    foreign = (after.all - before.all) - (after.own - before.own)
+    return min(1.0, max(0.0, foreign / offered))

@@ -1,0 +1,127 @@
+"""Finds the files of methods, scenes and reports in collections; opens none of them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from pathlib import Path
+
+from oitbench.errors import UsageError, printable, unknown
+
+KINDS = ("methods", "scenes", "reference", "reports")
+GROUP = "oitbench.collections"
+"""Entry points under which installed packages register their collection folders."""
+
+
+class Names(Mapping[str, Path]):
+    """Files of plugins of one kind by name, in alphabetical order."""
+
+    def __init__(self, kind: str) -> None:
+        self.kind = kind
+        self._paths: dict[str, Path] = {}
+
+    def add(self, name: str, path: Path) -> None:
+        """Add the plugin of `path`.
+
+        Raises
+        ------
+        UsageError
+            Another file already has that name.
+        """
+        known = self._paths.setdefault(printable(name), path)
+        if known != path:
+            raise UsageError(f"two {self.kind}s are named '{name}': {known} and {path}; rename one")
+
+    def __getitem__(self, name: str) -> Path:
+        if name not in self._paths:
+            raise unknown(self.kind, name, self._paths)
+        return self._paths[name]
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._paths
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(sorted(self._paths))
+
+    def __len__(self) -> int:
+        return len(self._paths)
+
+
+class Places:
+    """The files of all plugins that can be used by name.
+
+    Attributes
+    ----------
+    folders : list of Path
+        Collection folders; each may have `methods`, `scenes`, `reference`, `reports` and `glsl`.
+    methods, scenes, reports : Names
+    """
+
+    def __init__(self, folders: Iterable[Path] = (), methods: Iterable[Path] = ()) -> None:
+        self.folders: list[Path] = []
+        self.methods, self.scenes, self.reports = Names("method"), Names("scene"), Names("report")
+        for folder in folders:
+            self.add(folder)
+        for folder in methods:
+            self.add_method(folder)
+
+    def add(self, folder: Path) -> None:
+        """Add the plugins of one collection folder.
+
+        Raises
+        ------
+        UsageError
+            The folder does not exist or is no collection, or two plugins have one name.
+        """
+        try:
+            folder = folder.resolve()
+            known = any((folder / kind).is_dir() for kind in KINDS)
+        except (OSError, RuntimeError) as error:
+            raise UsageError(f"{folder} cannot be read: {error}") from error
+        if not known:
+            raise UsageError(f"{folder} is no collection; it has none of {', '.join(KINDS)}")
+        if folder in self.folders:
+            return
+        self.folders.append(folder)
+        for path in _children(folder / "methods", "*/method.py"):
+            self.methods.add(path.parent.name, path)
+        for path in _children(folder / "scenes", "*.py"):
+            self.scenes.add(path.stem, path)
+        for path in _children(folder / "reports", "*.py"):
+            self.reports.add(path.stem, path)
+
+    def add_method(self, folder: Path) -> str:
+        """Add the method of one folder, which holds `method.py` and its shaders; return its name.
+
+        Raises
+        ------
+        UsageError
+            The folder is no method, or another method has its name.
+        """
+        path = folder.resolve() / "method.py"
+        if not path.is_file():
+            raise UsageError(f"{folder} is no method; it has no method.py")
+        self.methods.add(path.parent.name, path)
+        return printable(path.parent.name)
+
+    def find_method(self, text: str) -> str:
+        """Return the name of the method that a name or a folder's path selects.
+
+        A known name takes precedence over a folder of that name in the working directory.
+        """
+        here = text not in self.methods and (Path(text) / "method.py").is_file()
+        return self.add_method(Path(text)) if "/" in text or here else text
+
+
+def own_folder() -> Path:
+    """Return the suite's own collection: inside an installed package, else the checkout."""
+    package = Path(__file__).resolve().parent
+    inside = package / "collection"
+    return inside if inside.is_dir() else package.parent
+
+
+def _children(folder: Path, pattern: str) -> list[Path]:
+    return [
+        path
+        for path in sorted(folder.glob(pattern))
+        if not path.name.startswith("_") and not path.parent.name.startswith("_")
+    ]

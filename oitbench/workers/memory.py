@@ -1,0 +1,65 @@
+"""The memory of processes: how much there is, and how much one of them uses."""
+
+from __future__ import annotations
+
+import time
+from contextlib import suppress
+from pathlib import Path
+
+import psutil
+
+SHARE = 0.75
+"""Share of the machine's memory that all workers together may use."""
+GIB = 2**30
+
+_CGROUP_LIMITS = ("memory.max", "memory/memory.limit_in_bytes")
+_POLL_SECONDS = 0.25
+# Finding child processes reads the whole process table, which takes milliseconds.
+_CHILDREN_SECONDS = 2.0
+
+
+def available(root: Path = Path("/sys/fs/cgroup")) -> int:
+    """Return the bytes of memory of this machine, or of this container if it may use less."""
+    limits = [psutil.virtual_memory().total]
+    for name in _CGROUP_LIMITS:
+        # Version 2 writes "max" if there is no limit, version 1 a huge number.
+        with suppress(OSError, ValueError):
+            limits.append(int((root / name).read_text(encoding="ascii")))
+    return min(limits)
+
+
+def share(workers: int) -> int:
+    """Return the bytes that each of some workers may use by default."""
+    return int(SHARE * available() / workers)
+
+
+class Watch:
+    """Looks at the resident memory of a process and its children, a few times per second.
+
+    `RLIMIT_AS` cannot do this: drivers of GPUs reserve far more address space than they use.
+    """
+
+    interval = _POLL_SECONDS
+
+    def __init__(self, pid: int, limit: int) -> None:
+        self.limit = limit
+        self._next_search = 0.0
+        self._processes: list[psutil.Process] = []
+        with suppress(psutil.Error):
+            self._processes.append(psutil.Process(pid))
+
+    def exceeded(self) -> bool:
+        """Return whether the process and its children use more than the limit."""
+        now = time.monotonic()
+        if self._processes and now >= self._next_search:
+            self._next_search = now + _CHILDREN_SECONDS
+            with suppress(psutil.Error):
+                self._processes[1:] = self._processes[0].children(recursive=True)
+        return sum(map(_resident, self._processes)) > self.limit
+
+
+def _resident(process: psutil.Process) -> int:
+    try:
+        return int(process.memory_info().rss)
+    except psutil.Error:
+        return 0
