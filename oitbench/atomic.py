@@ -17,7 +17,8 @@ from pathlib import Path
 
 from oitbench.errors import StorageError, UsageError
 
-_FULL = frozenset({errno.ENOSPC, errno.EDQUOT, errno.EFBIG})
+FULL_DISK = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
+"""Errors of the system that mean a lack of space: of the disk, of a user, or of a file."""
 
 
 @contextmanager
@@ -70,7 +71,7 @@ def writing(path: Path) -> Iterator[None]:
     try:
         yield
     except OSError as error:
-        fix = "free some space" if error.errno in _FULL else "choose another folder"
+        fix = "free some space" if error.errno in FULL_DISK else "choose another folder"
         reason = error.strerror or str(error)
         raise StorageError(f"{path} cannot be written ({reason}); {fix}") from error
 

@@ -58,6 +58,13 @@ class Job:
     is_flag=True,
     help="Render again with few samples, and test the stored references against it.",
 )
+@click.option(
+    "--adopt",
+    "adopts",
+    is_flag=True,
+    help="With --check: keep stale references that pass, for example after a change of a scene's"
+    " file that does not change its picture.",
+)
 @options.collections
 @click.option(
     "-o",
@@ -74,20 +81,23 @@ def command(
     ssaa: int | None,
     seed: int,
     checks: bool,
+    adopts: bool,
     collections: tuple[Path, ...],
     output: Path | None,
 ) -> None:
     """Render the path-traced reference of each SCENE. Default: all scenes that have one.
 
     A reference is written to the folder `reference` of the collection that has the scene's file.
-    With --check, no stored file is changed. Each reference is compared, pixel by pixel, with a new
+    With --check, no stored image is changed. Each reference is compared, pixel by pixel, with a new
     rendering of few samples and another seed. The exit code is 1 if a reference fails or is stale.
     """
+    if adopts and not checks:
+        raise UsageError("--adopt needs --check; give both")
     console = Console(highlight=False, soft_wrap=True)
     collection = Collection.load(collections)
     jobs = list(_jobs(collection, scenes, size, ssaa))
     if checks:
-        results = [_check(console, collection, job, spp, output) for job in jobs]
+        results = [_check(console, collection, job, spp, output, adopts) for job in jobs]
         sys.exit(0 if all(results) else 1)
     for job in jobs:
         _render(console, collection, job, spp, seed, output)
@@ -136,28 +146,40 @@ def _render(
 
 
 def _check(
-    console: Console, collection: Collection, job: Job, spp: int | None, output: Path | None
+    console: Console,
+    collection: Collection,
+    job: Job,
+    spp: int | None,
+    output: Path | None,
+    adopts: bool,
 ) -> bool:
     scene = collection.build_scene(job.scene)
     found = lookup.find(scene, job.scene, job.size, job.ssaa, collection.folders)
     key = storage.reference_key(job.scene, job.size)
     if found.message:
         console.print(f"unusable {found.message}", style="red", markup=False)
-    if found.reference is None:
+    reference = found.reference
+    if reference is None and adopts and found.stale is not None:
+        reference = found.stale[1]
+    if reference is None:
         if not found.message:
             raise UsageError(
                 f"{key}: no such reference is stored; run without --check to render it"
             )
         return False
     failures = output or Path("results") / "reference_check"
-    result = check(scene, found.reference, failures, spp or CHECK_SPP)
+    result = check(scene, reference, failures, spp or CHECK_SPP)
     text = f"{key}  {100 * result.fraction:.2f} % of the pixels pass"
-    if result.passed:
-        console.print(f"passed   {text}", markup=False)
-    else:
-        folder = failure_folder(failures, found.reference)
+    if not result.passed:
+        folder = failure_folder(failures, reference)
         console.print(f"failed   {text}; see the images in {folder}", style="red", markup=False)
-    return result.passed and not found.message
+        return False
+    if found.reference is None and found.stale is not None:
+        lookup.adopt(scene, *found.stale)
+        console.print(f"adopted  {text}", markup=False)
+        return True
+    console.print(f"passed   {text}", markup=False)
+    return not found.message
 
 
 def _reference_folder(collection: Collection, label: str) -> Path:

@@ -41,6 +41,9 @@ def _content(path: Path) -> bytes:
 def python_code(text: str) -> str:
     """Return a form of Python source that only depends on what the interpreter does with it.
 
+    Every version of Python returns the same: fields that are empty do not appear, as further
+    versions have added some.
+
     Raises
     ------
     SyntaxError
@@ -50,7 +53,18 @@ def python_code(text: str) -> str:
         body = getattr(node, "body", None)
         if isinstance(body, list):
             node.body = [item for item in body if not _is_text(item)]  # type: ignore[attr-defined]
-    return ast.dump(tree)
+    return _form(tree)
+
+
+def _form(value: object) -> str:
+    """Return a syntax tree, or one of its values, as text."""
+    if isinstance(value, list):
+        return f"[{','.join(map(_form, value))}]"
+    if not isinstance(value, ast.AST):
+        return repr(value)
+    fields = ((name, item) for name, item in ast.iter_fields(value) if item not in (None, []))
+    parts = ",".join(f"{name}={_form(item)}" for name, item in fields)
+    return f"{type(value).__name__}({parts})"
 
 
 def _is_text(node: ast.AST) -> bool:

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from oitbench.atomic import replacing
+from oitbench.atomic import FULL_DISK, replacing
 from oitbench.errors import UsageError
 
 Image = npt.NDArray[np.float32]
@@ -188,8 +188,9 @@ def write_channels(path: Path, channels: Channels) -> None:
         file.write(str(path))
     except RuntimeError as error:
         # OpenEXR knows the reason only as text.
-        full = os.strerror(errno.ENOSPC)
-        reason = (errno.ENOSPC, full) if full in str(error) else (errno.EIO, str(error))
+        known = (code for code in FULL_DISK if os.strerror(code) in str(error))
+        code = next(known, None)
+        reason = (errno.EIO, str(error)) if code is None else (code, os.strerror(code))
         raise OSError(*reason) from error
 
 

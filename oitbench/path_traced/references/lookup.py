@@ -12,8 +12,11 @@ from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
+import msgspec
+
 from oitbench.errors import UsageError
 from oitbench.fingerprints.scene import scene_fingerprint
+from oitbench.path_traced.references import storage
 from oitbench.path_traced.references.rendering import plan_rendering, render_reference
 from oitbench.path_traced.references.storage import (
     FOLDER,
@@ -40,10 +43,13 @@ class Found:
     message : str
         One line on references that were found and cannot be used; empty if there is nothing to
         report.
+    stale : (Path, Reference), optional
+        If none fits, the stale one that takes precedence, and its folder.
     """
 
     reference: Reference | None
     message: str = ""
+    stale: tuple[Path, Reference] | None = None
 
 
 def find(
@@ -65,6 +71,7 @@ def find(
     """
     current = scene_fingerprint(scene)
     messages: list[str] = []
+    stale: tuple[Path, Reference] | None = None
     for folder in [folder / FOLDER for folder in folders][::-1]:
         try:
             found = read(folder, label, size)
@@ -76,17 +83,34 @@ def find(
         changed = _changed(found.rendering, current)
         if not changed:
             return Found(found, "; ".join(messages))
+        stale = stale or (folder, found)
         messages.append(
             f"{folder / reference_key(label, size)}: {changed} has changed since this reference was"
             f" rendered; run 'oitbench reference {label}'"
         )
-    return Found(None, "; ".join(messages))
+    return Found(None, "; ".join(messages), stale)
 
 
 def _changed(rendering: Rendering, fingerprint: str) -> str:
     if rendering.fingerprint != fingerprint:
         return "the scene"
     return "" if rendering.tracer == TRACER else "the path tracer"
+
+
+def adopt(scene: Scene, folder: Path, stale: Reference) -> None:
+    """Declare that a stale reference shows this scene as this path tracer renders it.
+
+    Parameters
+    ----------
+    scene : Scene
+    folder : Path
+        The folder of the reference.
+    stale : Reference
+        It must have passed `check.check` with this scene.
+    """
+    known = stale.rendering
+    current = msgspec.structs.replace(known, tracer=TRACER, fingerprint=scene_fingerprint(scene))
+    storage.adopt(folder, known.key, current)
 
 
 def truth_fingerprint(

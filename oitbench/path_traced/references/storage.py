@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -245,15 +245,21 @@ def save(folder: Path, reference: Reference) -> None:
         _remove_unnamed(folder, entries)
 
 
-def write_manifest(folder: Path, infos: Iterable[ReferenceInfo]) -> None:
-    """Write a manifest of entries whose images are in `folder`.
+def adopt(folder: Path, key: str, rendering: Rendering) -> None:
+    """Replace the rendering of an entry of `folder`, whose images stay.
 
     Raises
     ------
-    StorageError
-        If it cannot be written.
+    UsageError
+        If the entry is missing or damaged, or the manifest cannot be written.
     """
-    _write_entries(folder, {info.rendering.key: _entry(info) for info in infos})
+    with locked(folder / _LOCK, wait=True):
+        entries = _read_entries(folder)
+        info = _parse(key, entries.get(key))
+        if info is None or rendering.key != key:
+            raise UsageError(f"{folder / MANIFEST}: entry {key} is missing or damaged; render it")
+        entries[key] = _entry(msgspec.structs.replace(info, rendering=rendering))
+        _write_entries(folder, entries)
 
 
 def _entry(info: ReferenceInfo) -> dict[str, Any]:
