@@ -105,7 +105,9 @@ def command(
     )  # fmt: skip
     console = Console(stderr=True, highlight=False, soft_wrap=True)
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn())
-    with Progress(*columns, console=console, transient=True) as progress:
+    # In a file or a pipe, the bar would end in an empty line.
+    hidden = not console.is_terminal
+    with Progress(*columns, console=console, transient=True, disable=hidden) as progress:
         task = progress.add_task("cells", total=len(matrix.cells))
 
         def note(line: str) -> None:

@@ -1,7 +1,7 @@
 """Kill runs, damage files, fill disks; nothing may get lost and nothing wrong be believed.
 
     python -m tests.benchmarks.drills FOLDER [--kills N] [--damages N] [--pairs N] [--disks N]
-        [--seed N] [--force]
+        [--seed N] [--preset quick|guard]
 
 FOLDER is created; a drill needs some megabytes. Without options, all four drills run with their
 default numbers, which takes about half an hour. Full disks are small file systems in memory, which
@@ -56,12 +56,13 @@ def main() -> None:
     for name in numbers:
         parser.add_argument(f"--{name}", type=int)
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--preset", default="quick", choices=("quick", "guard"))
     given = parser.parse_args()
     chosen = {name: getattr(given, name) for name in numbers}
     if all(number is None for number in chosen.values()):
         chosen = dict(numbers)
     logging.disable(logging.WARNING)  # One warning for each damaged file is expected.
-    drill = Drill(given.folder, given.seed)
+    drill = Drill(given.folder, given.seed, given.preset)
     for name, number in chosen.items():
         if number:
             getattr(drill, name)(number)
@@ -77,9 +78,12 @@ class Drill:
     folder : Path
     seed : int
         Seed of everything that happens at random.
+    preset : str
+        "quick", or "guard", whose runs neither need references nor measure times.
     """
 
-    def __init__(self, folder: Path, seed: int) -> None:
+    def __init__(self, folder: Path, seed: int, preset: str) -> None:
+        self.preset = preset
         self.folder, self.random = folder, random.Random(seed)
         self.faults: list[str] = []
         self.right = folder / "right"
@@ -88,7 +92,7 @@ class Drill:
         for _ in range(2):  # The first run renders the references.
             shutil.rmtree(self.right, ignore_errors=True)
             begin = time.monotonic()
-            done = run(self.right, self.cache)
+            done = run(self.right, self.cache, self.preset)
             self.seconds = time.monotonic() - begin
             assert done.returncode == 0, done.stderr
         self.expected = {key: content(r) for key, r in read_cells(self.right / CELLS).items()}
@@ -115,7 +119,7 @@ class Drill:
 
     def complete(self, folder: Path, owner: str) -> None:
         """Run a folder to its end, and check that it equals the right one."""
-        done = run(folder, self.cache)
+        done = run(folder, self.cache, self.preset)
         if done.returncode != 0:
             self.fault(f"{owner}: the next run ends with {done.returncode}: {done.stderr[-300:]}")
         if self.check_folder(folder, owner) != self.expected.keys():
@@ -140,7 +144,7 @@ class Drill:
             action = self.random.choice(ACTIONS)
             delay = self.random.uniform(0.0, self.seconds)
             owner = f"kill {done.total() + 1} ({action} after {delay:.2f} s)"
-            process = start(folder, self.cache)
+            process = start(folder, self.cache, self.preset)
             time.sleep(delay)
             hit = strike(process, action, self.random)
             try:
@@ -278,9 +282,9 @@ class Drill:
         for number in range(count):
             folder = self.folder / "shared"
             shutil.rmtree(folder, ignore_errors=True)
-            two = [start(folder, self.cache)]
+            two = [start(folder, self.cache, self.preset)]
             time.sleep(self.random.uniform(0.0, 0.8 * self.seconds))
-            two.append(start(folder, self.cache))
+            two.append(start(folder, self.cache, self.preset))
             errors = [process.communicate(timeout=SECONDS)[1] for process in two]
             ended = sorted(
                 (process.returncode, error) for process, error in zip(two, errors, strict=True)
@@ -305,7 +309,7 @@ class Drill:
             size = max(4, round(needed * (number + 1) / count))
             with small_disk(folder, size):
                 cache = self.cache if number % 2 else folder / "cache"
-                done = run(folder / "out", cache)
+                done = run(folder / "out", cache, self.preset)
                 errors = done.stderr.splitlines()
                 ends[f"exit code {done.returncode}"] += 1
                 if done.returncode == 2 and (

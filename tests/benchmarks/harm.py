@@ -14,23 +14,34 @@ from pathlib import Path
 import psutil
 
 SCENES = ("layer_stack[count=3]", "glass_bars")
-METHODS = ("alpha_blend", "a_buffer", "weighted_blended", "k_buffer")
+METHODS = ("alpha_blend", "a_buffer", "weighted_blended")
 SETTINGS = ("--size", "16x16", "--ssaa", "1")
 SECONDS = 300.0
 """Time in which each run must end."""
 
 
-def command(folder: Path) -> list[str]:
+def command(folder: Path, preset: str) -> list[str]:
     """Return the command line of a run of the small matrix."""
     chosen = [argument for scene in SCENES for argument in ("--scene", scene)]
     chosen += [argument for method in METHODS for argument in ("--method", method)]
-    return [sys.executable, "-m", "oitbench", "run", *SETTINGS, *chosen, "--out", str(folder)]
+    return [
+        sys.executable,
+        "-m",
+        "oitbench",
+        "run",
+        "--preset",
+        preset,
+        *SETTINGS,
+        *chosen,
+        "--out",
+        str(folder),
+    ]
 
 
-def start(folder: Path, cache: Path) -> subprocess.Popen[str]:
+def start(folder: Path, cache: Path, preset: str) -> subprocess.Popen[str]:
     """Start a run with two workers, and return its process."""
     return subprocess.Popen(
-        [*command(folder), "--workers", "2"],
+        [*command(folder, preset), "--workers", "2"],
         env={**os.environ, "XDG_CACHE_HOME": str(cache), "COLUMNS": "200"},
         stdout=subprocess.DEVNULL,
         stderr=subprocess.PIPE,
@@ -38,9 +49,9 @@ def start(folder: Path, cache: Path) -> subprocess.Popen[str]:
     )
 
 
-def run(folder: Path, cache: Path) -> subprocess.CompletedProcess[str]:
+def run(folder: Path, cache: Path, preset: str) -> subprocess.CompletedProcess[str]:
     """Run the small matrix to its end."""
-    process = start(folder, cache)
+    process = start(folder, cache, preset)
     _, error = process.communicate(timeout=SECONDS)
     return subprocess.CompletedProcess([], process.returncode, "", error)
 

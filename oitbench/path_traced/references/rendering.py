@@ -93,7 +93,9 @@ def _render_with_bar(scene: Scene, rendering: Rendering) -> Estimate:
     from rich.console import Console
     from rich.progress import Progress
 
-    with Progress(console=Console(stderr=True), transient=True) as bar:
+    console = Console(stderr=True)
+    # In a file or a pipe, the bar would end in an empty line.
+    with Progress(console=console, transient=True, disable=not console.is_terminal) as bar:
         task = bar.add_task(f"path tracing {rendering.scene}", total=None)
         return render(
             scene,
