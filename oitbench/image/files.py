@@ -25,6 +25,10 @@ Channels = Mapping[str, npt.NDArray[Any]]
 _LARGEST_HALF = float(np.finfo(np.float16).max)
 _NONFINITE_COLOR = (1.0, 0.0, 1.0)
 _MAP_CHANNELS = ("ldr", "hdr")
+_ZIP_ROWS = 16
+"""Rows of each block of a ZIP-compressed OpenEXR file."""
+_PROBE = 1 << 16
+"""Bytes that a full disk does not take any more."""
 
 
 def check(image: npt.ArrayLike, owner: str = "image") -> Image:
@@ -192,6 +196,32 @@ def write_channels(path: Path, channels: Channels) -> None:
         code = next(known, None)
         reason = (errno.EIO, str(error)) if code is None else (code, os.strerror(code))
         raise OSError(*reason) from error
+    if not _is_whole(path.read_bytes(), next(iter(channels.values())).shape[0]):
+        with path.open("ab") as file:  # The system names the reason when it refuses more.
+            file.write(bytes(_PROBE))
+            file.flush()
+            os.fsync(file.fileno())
+        raise OSError(errno.EIO, os.strerror(errno.EIO))
+
+
+def _is_whole(content: bytes, rows: int) -> bool:
+    """Return whether a ZIP-compressed OpenEXR file has all its blocks of rows.
+
+    OpenEXR does not notice that its last write fails, which for small files is the only one. The
+    layout is that of "OpenEXR File Layout": after the header comes a table with the place of each
+    block, and each block begins with its first row and its size.
+    """
+    try:
+        place = 8
+        while content[place]:
+            for _ in ("name", "type"):
+                place = content.index(b"\0", place) + 1
+            place += 4 + int.from_bytes(content[place : place + 4], "little")
+        table = np.frombuffer(content, "<u8", -(-rows // _ZIP_ROWS), place + 1)
+        ends = [int(at) + 8 + int.from_bytes(content[at + 4 : at + 8], "little") for at in table]
+    except (IndexError, ValueError):
+        return False
+    return bool(table.all()) and max(ends) == len(content)
 
 
 def to_srgb(linear: npt.ArrayLike, exposure: float) -> Image:
