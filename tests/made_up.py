@@ -93,7 +93,7 @@ def timed(
     """
     steps = [swing * (number - 4) / 4 for number in range(9)]
     method = interval_of([method_ms + step for step in steps])
-    block = Block("wall", Processor("abacus", 2, "performance"), 1.5, foreign)
+    block = Block("wall", Processor("abacus", 2, "performance"), 1.5, foreign, rounds=9, budget=4.0)
     return Time(
         method_ms=method,
         sort_ms=None if sort_ms is None else interval_of([sort_ms] * 9),

@@ -52,6 +52,7 @@ _DRAWING_TRUTH = Step("drawing the exact truth", shared=True)
 _DRAWING = Step("drawing and scoring the picture")
 _PATH_TRACING = Step("path tracing the scene", shared=True)
 _TIMING = Step("timing the scene")
+_CHANGED = Timing(reason="its files changed during the run; run again")
 
 
 @dataclass
@@ -268,10 +269,23 @@ class Bench:
         return Scores(values, reference.noise_floor, message=message)
 
     def time(self, cells: Sequence[ScoredCell], schedule: Schedule) -> list[Timing]:
-        """Time the cells of one scene against each other; see `time_cells`."""
+        """Time the cells of one scene against each other; see `time_cells`.
+
+        The times of a cell whose files have changed since it was scored would be those of another.
+        """
         with self.watch.running("rendering"):
-            self._on_step(_TIMING)
-            return time_cells(self.device, self.collection, cells, schedule)
+            same = [
+                scored
+                for scored in cells
+                if scored.fingerprints in (None, self.identities.find(scored.cell))
+            ]
+            timings: list[Timing] = []
+            if same:
+                scene = self.identities.scene(same[0].cell.scene)
+                self._on_step(_TIMING)
+                timings = time_cells(self.device, self.collection, scene, same, schedule)
+            found = dict(zip((scored.cell for scored in same), timings, strict=True))
+        return [found.get(scored.cell, _CHANGED) for scored in cells]
 
 
 def _without_fragments(record: Record, scene: Scene) -> Record:

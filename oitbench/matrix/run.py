@@ -21,6 +21,7 @@ from oitbench.matrix.resume import Resume
 from oitbench.matrix.timed_cells import ScoredCell, Timing
 from oitbench.matrix.timed_scenes import due_scenes, time_scene
 from oitbench.matrix.worker import CellsTimed, Greeting, Hello, TimeCells
+from oitbench.measure.rounds import Schedule
 from oitbench.results.schema import TROUBLED, Record
 from oitbench.results.store import Store
 from oitbench.results.times import Processor
@@ -189,18 +190,18 @@ def _time_all(
     cpu: Processor | None,
 ) -> None:
     """Time the finished cells of each scene together, if one of them has no time yet."""
+    schedule = Schedule(matrix.preset.rounds, matrix.preset.budget, matrix.seed)
 
     def ask(cells: list[ScoredCell]) -> list[Timing]:
-        preset = matrix.preset
         limit = None if matrix.timeout is None else matrix.timeout * len(cells)
-        request = TimeCells(cells, preset.rounds, preset.budget, matrix.seed)
+        request = TimeCells(cells, schedule.rounds, schedule.budget, schedule.seed)
         reply = worker.ask(request, CellsTimed, limit)
         summary.add(reply.spent)
         return reply.timings
 
     known = [(cell, store.find(cell.key)) for cell in matrix.cells]
     pairs = [(cell, record) for cell, record in known if record is not None]
-    for scene in due_scenes(pairs, fresh, cpu):
+    for scene in due_scenes(pairs, fresh, cpu, schedule):
         for record in time_scene(scene, ask):
             store.append(record)
             if record.time is not None and record.time.block.disturbed:

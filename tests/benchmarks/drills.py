@@ -157,6 +157,8 @@ class Drill:
                 continue
             if hit:
                 done[action] += 1
+                if done.total() % 10 == 0:
+                    print(f"kills: {dict(done)}", flush=True)
             if "Traceback" in error and delay > STARTING:
                 self.fault(f"{owner}: {error[-300:]}")
             codes = {"kill main": {-9}, "terminate main": {143, -15}, "interrupt main": {130, -2}}

@@ -57,7 +57,8 @@ def time_all(device: Device, label: str, names: Sequence[str]) -> dict[str, Timi
             chosen = method(name)
             with Frame(uploaded, chosen, fine, scene.effects & chosen.shows) as scored:
                 cells.append(ScoredCell(Cell(label, name, SIZE), scored.plan.digest))
-        return dict(zip(names, time_cells(device, collection(), cells, ONCE), strict=True))
+        timings = time_cells(device, collection(), scene, cells, ONCE)
+        return dict(zip(names, timings, strict=True))
 
 
 @pytest.mark.parametrize(
@@ -141,3 +142,19 @@ def test_a_method_with_other_passes_while_it_is_measured_fails(
         record: Record = bench.run(cell)
     assert record.status == "failed"
     assert reason in record.reason
+
+
+def test_a_cell_whose_method_changed_since_it_was_scored_gets_no_time(tmp_path: Path) -> None:
+    plugins = cheat(tmp_path, honest_calls=99)
+    cell = Cell("layer_stack[count=3]", "cheat", (12, 8), permutations=1, truths=(EXACT,))
+    with Bench(plugins, tmp_path / "out") as bench:
+        record = bench.run(cell)
+        assert record.outcome is not None
+        scored = [ScoredCell(cell, record.outcome.plan, record.fingerprints)]
+        assert bench.time(scored, ONCE)[0].time is not None
+        with (tmp_path / "cheat" / "draw.glsl").open("a") as file:
+            file.write("float more() { return 1.0; }\n")
+        (timing,) = bench.time(scored, ONCE)
+        # A later run would not believe that cell either.
+        assert bench.run(cell).reason == "cheat: its files changed during the run; run again"
+    assert timing == Timing(reason="its files changed during the run; run again")
