@@ -100,7 +100,9 @@ def _changes(
         "the number of permutations": (record.permutations, cell.permutations),
         "the choice of truths": (set(record.truths), set(cell.truths)),
     }
-    for truth in before.truths.keys() & now.truths.keys():
+    # A truth always changes with its scene, which says enough.
+    same_scene = before.scene == now.scene
+    for truth in before.truths.keys() & now.truths.keys() if same_scene else ():
         name = f"the truth by {TRUTHS.get(truth, truth)}"
         pairs[name] = before.truths[truth], now.truths[truth]
     yield from (name for name, (old, new) in pairs.items() if old != new)
