@@ -129,20 +129,13 @@ class Rendering:
 
     def _identify(self, worker: WorkerProcess, cells: list[Cell]) -> Sequence[Fingerprints | None]:
         usable = [cell for cell in cells if cell not in self.matrix.unusable]
-        found: dict[Cell, Fingerprints | None] = {}
-        # A worker that was killed from outside must not cost the results of earlier runs.
-        for _ in range(2):
-            try:
-                reply = worker.ask(IdentifyCells(usable), CellsIdentified, self.matrix.timeout)
-            except WorkerError as error:
-                if error.timeout:
-                    break
-            except OitbenchError:
-                break
-            else:
-                found = dict(zip(usable, reply.fingerprints, strict=True))
-                break
-        # Running the cells that have no fingerprints tells what is wrong.
+        try:
+            request, limit = IdentifyCells(usable), self.matrix.timeout
+            # A worker that was killed from outside must not cost the results of earlier runs.
+            reply = worker.ask(request, CellsIdentified, limit, retry=True)
+        except OitbenchError:
+            return [None] * len(cells)  # Running the cells tells what is wrong.
+        found = dict(zip(usable, reply.fingerprints, strict=True))
         return [found.get(cell) for cell in cells]
 
     def _render(self, worker: WorkerProcess, cell: Cell, lost: WorkerError | None) -> CellDone:

@@ -141,7 +141,7 @@ def run_matrix(
     ]
     with Store.open(matrix.out) as store:
         try:
-            greeting = pool[0].ask(Hello(), Greeting)
+            greeting = pool[0].ask(Hello(), Greeting, retry=True)
             store.check_renderer(greeting.gl.renderer)
             facts = machine.collect(
                 greeting.gl,
