@@ -1,10 +1,10 @@
 """Kill runs, damage files, fill disks; nothing may get lost and nothing wrong be believed.
 
-    python -m tests.benchmarks.drills FOLDER [--kills N] [--damages N] [--pairs N] [--disks N]
-        [--seed N] [--preset quick|guard]
+    python -m tests.benchmarks.drills FOLDER [--kills N] [--writers N] [--damages N] [--pairs N]
+        [--disks N] [--seed N] [--preset quick|guard]
 
-FOLDER is created; a drill needs some megabytes. Without options, all four drills run with their
-default numbers, which takes about half an hour. Full disks are small file systems in memory, which
+FOLDER is created; a drill needs some megabytes. Without options, all drills run with their
+default numbers, which takes about an hour. Full disks are small file systems in memory, which
 only root can mount. The exit code is 1 if a drill finds a fault; each is printed as one line.
 """
 
@@ -42,9 +42,12 @@ from tests.benchmarks.harm import (
     small_disk,
     start,
     strike,
+    write_until_killed,
 )
 
 T = TypeVar("T")
+MANY = 200
+"""Cells with which a folder of the writers begins anew."""
 STARTING = 2.0
 """Seconds in which Python itself may still be starting, which answers signals in its own way."""
 ACTIONS = ("kill main", "kill worker", "terminate main", "interrupt main")
@@ -54,7 +57,7 @@ def main() -> None:
     """Run the drills that were asked for."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
     parser.add_argument("folder", type=Path)
-    numbers = {"kills": 200, "damages": 100, "pairs": 10, "disks": 10}
+    numbers = {"kills": 200, "writers": 200, "damages": 100, "pairs": 10, "disks": 10}
     for name in numbers:
         parser.add_argument(f"--{name}", type=int)
     parser.add_argument("--seed", type=int, default=1)
@@ -175,6 +178,24 @@ class Drill:
                 before, rounds = set(), rounds + 1
         self.complete(folder, "after all kills")
         print(f"kills: {dict(done)}; {rounds + 1} folders completed", flush=True)
+
+    def writers(self, count: int) -> None:
+        """Kill a process that writes nothing but cells, images and run facts, at random moments."""
+        folder = self.folder / "written"
+        shutil.rmtree(folder, ignore_errors=True)
+        confirmed: set[str] = set()
+        for number in range(count):
+            confirmed |= write_until_killed(folder, self.random.uniform(0.0, 0.3))
+            cells = read_cells(folder / CELLS)
+            if lost := confirmed - {record.method for record in cells.values()}:
+                self.fault(f"writer {number}: {len(lost)} confirmed cells are lost")
+            for record in cells.values():
+                for image in record.outcome.images.values() if record.outcome else ():
+                    stored.verify(folder, image)
+            if len(cells) > MANY:
+                shutil.rmtree(folder)
+                confirmed = set()
+        print(f"writers: {count} kills", flush=True)
 
     def check_orphans(self, pid: int, owner: str) -> None:
         """Check that no process of a run is left some seconds after its end."""

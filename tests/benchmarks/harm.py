@@ -2,16 +2,23 @@
 
 from __future__ import annotations
 
+import itertools
 import os
 import random
 import signal
 import subprocess
 import sys
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+import numpy as np
 import psutil
+
+from oitbench.image import files, stored
+from oitbench.results.store import IMAGES, Store
+from tests.made_up import FACTS, changed, record
 
 SCENES = ("layer_stack[count=3]", "glass_bars")
 METHODS = ("alpha_blend", "a_buffer", "weighted_blended")
@@ -54,6 +61,36 @@ def run(folder: Path, cache: Path, preset: str) -> subprocess.CompletedProcess[s
     process = start(folder, cache, preset)
     _, error = process.communicate(timeout=SECONDS)
     return subprocess.CompletedProcess([], process.returncode, "", error)
+
+
+def write_until_killed(folder: Path, seconds: float) -> set[str]:
+    """Let a forked process write cells and images, kill it, and return the cells it confirmed.
+
+    Parameters
+    ----------
+    folder : Path
+        A results folder.
+    seconds : float
+        Time after which the process is killed.
+    """
+    reading, writing = os.pipe()
+    child = os.fork()
+    if child == 0:
+        with Store.open(folder) as store:
+            for number in itertools.count(len(store.records())):
+                picture = np.full((4, 4, 3), number, dtype=np.float32)
+                image = stored.store(folder, f"{IMAGES}/color", files.image_channels(picture))
+                store.append(changed(record(f"m{number}"), "outcome.images.color", image))
+                os.write(writing, f"m{number}\n".encode())
+                if number % 4 == 3:
+                    store.compact()
+                    store.write_run(FACTS)
+    os.close(writing)
+    time.sleep(seconds)
+    os.kill(child, signal.SIGKILL)
+    os.waitpid(child, 0)
+    with os.fdopen(reading) as lines:
+        return set(lines.read().split())
 
 
 def strike(process: subprocess.Popen[str], action: str, chance: random.Random) -> bool:
