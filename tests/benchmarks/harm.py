@@ -23,6 +23,7 @@ from tests.made_up import FACTS, changed, record
 SCENES = ("layer_stack[count=3]", "glass_bars")
 METHODS = ("alpha_blend", "a_buffer", "weighted_blended")
 SETTINGS = ("--size", "16x16", "--ssaa", "1")
+WORKERS = {"quick": "2", "guard": "1"}
 SECONDS = 300.0
 """Time in which each run must end."""
 
@@ -46,9 +47,9 @@ def command(folder: Path, preset: str) -> list[str]:
 
 
 def start(folder: Path, cache: Path, preset: str) -> subprocess.Popen[str]:
-    """Start a run with two workers, and return its process."""
+    """Start a run, and return its process."""
     return subprocess.Popen(
-        [*command(folder, preset), "--workers", "2"],
+        [*command(folder, preset), "--workers", WORKERS[preset]],
         env={**os.environ, "XDG_CACHE_HOME": str(cache), "COLUMNS": "200"},
         stdout=subprocess.DEVNULL,
         stderr=subprocess.PIPE,
