@@ -1,24 +1,31 @@
-"""Writing a file so that readers find the old content or the new content, never a part."""
+"""Writing files so that readers never find a part, and so that writers do not mix.
+
+A file is written under a temporary name and then renamed. A lock file names the process that holds
+it; the lock itself is the kernel's, so it ends with the process, however that ends.
+"""
 
 from __future__ import annotations
 
+import errno
+import fcntl
 import os
+import socket
 from collections.abc import Iterator
 from contextlib import contextmanager
+from datetime import datetime, timezone
 from pathlib import Path
 
-from oitbench.errors import UsageError
+from oitbench.errors import StorageError, UsageError
+
+FULL_DISK = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
+"""Errors of the system that mean a lack of space: of the disk, of a user, or of a file."""
 
 
 @contextmanager
-def replacing(path: Path) -> Iterator[Path]:
-    """Yield a temporary path, and move the file that is written there to `path`.
+def partial_file(path: Path) -> Iterator[Path]:
+    """Yield a temporary path beside `path`; a file that is still there at the end is removed.
 
-    Missing folders are created. If an exception is raised inside, `path` stays as it was.
-
-    Parameters
-    ----------
-    path : Path
+    Missing folders are created.
 
     Yields
     ------
@@ -27,17 +34,126 @@ def replacing(path: Path) -> Iterator[Path]:
 
     Raises
     ------
-    UsageError
+    StorageError
         If the file cannot be written.
     """
     partial = path.with_name(f".{path.stem}.{os.getpid()}.partial{path.suffix}")
-    try:
+    with writing(path):
         path.parent.mkdir(parents=True, exist_ok=True)
         try:
             yield partial
-            os.replace(partial, path)
-        except BaseException:
+        finally:
             partial.unlink(missing_ok=True)
-            raise
+
+
+@contextmanager
+def replacing(path: Path) -> Iterator[Path]:
+    """Yield a temporary path, and move the file that is written there to `path`.
+
+    Missing folders are created. If an exception is raised inside, `path` stays as it was. At the
+    end the file is on the disk, so that a loss of power cannot empty it.
+
+    Raises
+    ------
+    StorageError
+        If the file cannot be written.
+    """
+    with partial_file(path) as partial:
+        yield partial
+        _synchronize(partial)
+        os.replace(partial, path)
+        _synchronize(path.parent)
+
+
+@contextmanager
+def writing(path: Path) -> Iterator[None]:
+    """Turn an `OSError` inside into a `StorageError` that names `path` and the fix."""
+    try:
+        yield
     except OSError as error:
-        raise UsageError(f"{path} cannot be written; choose another folder") from error
+        fix = "free some space" if error.errno in FULL_DISK else "choose another folder"
+        reason = error.strerror or str(error)
+        raise StorageError(f"{path} cannot be written ({reason}); {fix}") from error
+
+
+def remove_partial_files(folder: Path) -> None:
+    """Remove temporary files that a killed process left in `folder`.
+
+    The caller must know that no process is writing there, for example from a lock.
+    """
+    for path in folder.glob(".*.partial*"):
+        path.unlink(missing_ok=True)
+
+
+@contextmanager
+def locked(path: Path, *, wait: bool = False) -> Iterator[None]:
+    """Hold the lock file `path`; it is removed at the end.
+
+    A file that a killed process left behind locks nothing and is taken over.
+
+    Parameters
+    ----------
+    path : Path
+        Its folder must exist.
+    wait : bool
+        Wait until another process releases the lock, or refuse at once.
+
+    Raises
+    ------
+    UsageError
+        Another process holds the lock. The message names it.
+    StorageError
+        If the file cannot be written.
+    """
+    with writing(path):
+        descriptor = _acquire(path, wait)
+        try:
+            host, start = socket.gethostname(), datetime.now(timezone.utc)
+            text = f"process {os.getpid()} on {host} since {start:%Y-%m-%d %H:%M:%S} UTC\n"
+            os.ftruncate(descriptor, 0)
+            os.pwrite(descriptor, text.encode(), 0)
+        except BaseException:
+            os.close(descriptor)
+            raise
+    try:
+        yield
+    finally:
+        # Removed while the lock is held, so that nobody locks a file that is about to vanish.
+        path.unlink(missing_ok=True)
+        os.close(descriptor)
+
+
+def _acquire(path: Path, wait: bool) -> int:
+    """Return a descriptor of the file that is at `path`, with its lock."""
+    while True:
+        descriptor = os.open(path, os.O_RDWR | os.O_CREAT, 0o644)
+        try:
+            fcntl.flock(descriptor, fcntl.LOCK_EX | (0 if wait else fcntl.LOCK_NB))
+            if _is_at(descriptor, path):
+                return descriptor
+        except BlockingIOError:
+            holder = os.pread(descriptor, 200, 0).decode(errors="replace").strip()
+            os.close(descriptor)
+            raise UsageError(
+                f"{path.parent} is in use by {holder or 'another process'};"
+                " wait for it to end, or give another folder"
+            ) from None
+        except BaseException:
+            os.close(descriptor)
+            raise
+        os.close(descriptor)  # Its holder removed the file after it was opened here.
+
+
+def _is_at(descriptor: int, path: Path) -> bool:
+    try:
+        return os.path.samestat(os.fstat(descriptor), path.stat())
+    except FileNotFoundError:
+        return False
+
+
+def _synchronize(path: Path) -> None:
+    descriptor = os.open(path, os.O_RDONLY)
+    try:
+        os.fsync(descriptor)
+    finally:
+        os.close(descriptor)

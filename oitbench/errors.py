@@ -29,6 +29,10 @@ class UsageError(OitbenchError):
     """A name, value, size or folder is wrong."""
 
 
+class StorageError(UsageError):
+    """A file cannot be written, as on a full disk; it ends a run, since it is no cell's fault."""
+
+
 class SceneError(OitbenchError):
     """A scene describes something that cannot be rendered."""
 

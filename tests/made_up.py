@@ -9,10 +9,12 @@ from typing import Any
 import msgspec
 
 from oitbench.image import metrics
+from oitbench.image.stored import StoredImage
 from oitbench.results.schema import (
     EXACT,
     PATH_TRACED,
     EffectNames,
+    Fingerprints,
     Memory,
     Nonfinite,
     Outcome,
@@ -38,7 +40,12 @@ VALUES: dict[str, float | None] = {
 }
 
 
-def outcome_of(scores: dict[str, Scores], images: dict[str, str]) -> Outcome:
+NO_IMAGE = StoredImage("images/a.exr", "0" * 64, 1)
+"""An image that does not exist."""
+FINGERPRINTS = Fingerprints("s", "m", "e", "f", {EXACT: "x", PATH_TRACED: "p"})
+
+
+def outcome_of(scores: dict[str, Scores], images: dict[str, StoredImage]) -> Outcome:
     """Return the outcome of a frame with two passes."""
     return Outcome(
         parameters={},
@@ -60,10 +67,11 @@ def record(method: str = "mean", scene: str = "glass[count=4]", **fields: Any) -
     """Return the record of a cell that succeeded, with other values for `fields`."""
     scores = {EXACT: Scores(dict(VALUES)), PATH_TRACED: Scores(dict(VALUES))}
     name = method.partition("[")[0]
-    outcome = outcome_of(scores, {"color": "images/a.exr"})
+    outcome = outcome_of(scores, {"color": NO_IMAGE})
     made = Record(
-        scene, method, name, (8, 6), 2, "requested", 1, "ok", outcome=outcome, time=timed(2.0)
-    )
+        scene, method, name, (8, 6), 2, "requested", 1, 4, [EXACT, PATH_TRACED], "ok",
+        gl=Renderer("softly"), fingerprints=FINGERPRINTS, outcome=outcome, time=timed(2.0),
+    )  # fmt: skip
     return msgspec.structs.replace(made, **fields)
 
 
@@ -85,7 +93,7 @@ def timed(
     """
     steps = [swing * (number - 4) / 4 for number in range(9)]
     method = interval_of([method_ms + step for step in steps])
-    block = Block("wall", Processor("abacus", 2, "performance"), 1.5, foreign)
+    block = Block("wall", Processor("abacus", 2, "performance"), 1.5, foreign, rounds=9, budget=4.0)
     return Time(
         method_ms=method,
         sort_ms=None if sort_ms is None else interval_of([sort_ms] * 9),
@@ -127,10 +135,10 @@ FACTS = RunFacts(gl=Renderer("softly"), seed=1, argv=["/home/me/oitbench"])
 
 
 def write(folder: Path, records: Sequence[Record], facts: RunFacts = FACTS) -> Path:
-    """Write a results folder and return it."""
-    store = Store.open(folder)
-    store.write_run(facts)
-    for item in records:
-        store.append(item)
-    store.compact()
+    """Write a results folder, without images, and return it."""
+    with Store.open(folder) as store:
+        store.write_run(facts)
+        for item in records:
+            store.append(item)
+        store.compact()
     return folder

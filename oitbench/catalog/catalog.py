@@ -110,7 +110,9 @@ class Catalog:
         for entry in entry_points(group=GROUP):
             try:
                 request = Resolve(entry.value)
-                found = self._worker.ask(request, Resolved, self._load_seconds, _LOADING)
+                found = self._worker.ask(
+                    request, Resolved, self._load_seconds, _LOADING, retry=True
+                )
             except OitbenchError as error:
                 self.problems.append(f"collection {entry.value}: {error}")
                 _LOG.warning("%s", self.problems[-1])
@@ -147,7 +149,7 @@ class Catalog:
         if (kind, name) not in self._entries or check:
             request = Describe(kind, name, os.fsencode(path), check)
             try:
-                found = self._worker.ask(request, Entry, self._load_seconds, _LOADING)
+                found = self._worker.ask(request, Entry, self._load_seconds, _LOADING, retry=True)
             except OitbenchError as error:
                 found = Entry(name, error=f"{path}: {error}")
             self._entries[kind, name] = found
@@ -201,6 +203,6 @@ class Catalog:
             {method.name: os.fsencode(self.path("method", method.name)) for method in usable},
         )
         with suppress(OitbenchError):
-            found = self._worker.ask(request, AxesFound, timeout)
+            found = self._worker.ask(request, AxesFound, timeout, retry=True)
             return {m.label: axis for m, axis in zip(usable, found.axes, strict=True)}
         return {}

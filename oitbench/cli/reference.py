@@ -14,9 +14,9 @@ from oitbench.catalog.checked import load_checked
 from oitbench.cli import options
 from oitbench.errors import CapabilityError, UsageError
 from oitbench.path_traced.references import lookup, storage
-from oitbench.path_traced.references.check import CHECK_SPP, check
-from oitbench.path_traced.references.rendering import render_reference
-from oitbench.path_traced.references.storage import ReferenceInfo
+from oitbench.path_traced.references.check import CHECK_SPP, check, failure_folder
+from oitbench.path_traced.references.rendering import plan_rendering, render_reference
+from oitbench.path_traced.references.storage import Reference
 from oitbench.plugins import Collection
 
 _SIZE = (256, 256)
@@ -59,6 +59,13 @@ class Job:
     is_flag=True,
     help="Render again with few samples, and test the stored references against it.",
 )
+@click.option(
+    "--adopt",
+    "adopts",
+    is_flag=True,
+    help="With --check: keep stale references that pass, for example after a change of a scene's"
+    " file that does not change its picture.",
+)
 @options.collections
 @click.option(
     "-o",
@@ -75,15 +82,18 @@ def command(
     ssaa: int | None,
     seed: int,
     checks: bool,
+    adopts: bool,
     collections: tuple[Path, ...],
     output: Path | None,
 ) -> None:
     """Render the path-traced reference of each SCENE. Default: all scenes that have one.
 
     A reference is written to the folder `reference` of the collection that has the scene's file.
-    With --check, no stored file is changed. Each reference is compared, pixel by pixel, with a new
+    With --check, no stored image is changed. Each reference is compared, pixel by pixel, with a new
     rendering of few samples and another seed. The exit code is 1 if a reference fails or is stale.
     """
+    if adopts and not checks:
+        raise UsageError("--adopt needs --check; give both")
     console = Console(highlight=False, soft_wrap=True)
     collection = load_checked(
         collections,
@@ -93,16 +103,16 @@ def command(
     )
     jobs = list(_jobs(collection, scenes, size, ssaa))
     if checks:
-        results = [_check(console, collection, job, spp, output) for job in jobs]
+        results = [_check(console, collection, job, spp, output, adopts) for job in jobs]
         sys.exit(0 if all(results) else 1)
     for job in jobs:
         _render(console, collection, job, spp, seed, output)
 
 
-def _stored(folders: Iterable[Path]) -> list[ReferenceInfo]:
-    """Return the entries of all references that the collections have."""
+def _stored(folders: Iterable[Path]) -> list[storage.Rendering]:
+    """Return how all references were rendered that the collections have."""
     return [
-        info
+        info.rendering
         for folder in folders
         for info in storage.read_manifest(folder / storage.FOLDER).values()
     ]
@@ -135,38 +145,52 @@ def _render(
     output: Path | None,
 ) -> None:
     scene = collection.build_scene(job.scene)
+    rendering = plan_rendering(scene, job.scene, job.size, job.ssaa, spp, seed)
     try:
-        reference = render_reference(scene, job.scene, job.size, job.ssaa, spp, seed)
+        reference = render_reference(scene, rendering)
     except CapabilityError as error:
         console.print(f"skipped  {error}", style="yellow", markup=False)
         return
     folder = output or _reference_folder(collection, job.scene)
     storage.save(folder, reference)
-    info = reference.info
-    console.print(f"rendered {folder / info.key}  {_noise_floor(info)}", markup=False)
+    console.print(f"rendered {folder / rendering.key}  {_noise_floor(reference)}", markup=False)
 
 
 def _check(
-    console: Console, collection: Collection, job: Job, spp: int | None, output: Path | None
+    console: Console,
+    collection: Collection,
+    job: Job,
+    spp: int | None,
+    output: Path | None,
+    adopts: bool,
 ) -> bool:
     scene = collection.build_scene(job.scene)
-    reference = lookup.find(scene, job.scene, job.size, job.ssaa, collection.folders)
+    found = lookup.find(scene, job.scene, job.size, job.ssaa, collection.folders)
     key = storage.reference_key(job.scene, job.size)
+    if found.message:
+        console.print(f"unusable {found.message}", style="red", markup=False)
+    reference = found.reference
+    if reference is None and adopts and found.stale is not None:
+        reference = found.stale[1]
     if reference is None:
-        raise UsageError(f"{key}: no such reference is stored; run without --check to render it")
-    if reference.stale:
-        console.print(f"stale    {reference.message}", style="red", markup=False)
+        if not found.message:
+            raise UsageError(
+                f"{key}: no such reference is stored; run without --check to render it"
+            )
         return False
     failures = output or Path("results") / "reference_check"
     result = check(scene, reference, failures, spp or CHECK_SPP)
     text = f"{key}  {100 * result.fraction:.2f} % of the pixels pass"
-    if result.passed:
-        console.print(f"passed   {text}", markup=False)
-    else:
-        console.print(
-            f"failed   {text}; see the images in {failures / key}", style="red", markup=False
-        )
-    return result.passed
+    if not result.passed:
+        folder = failure_folder(failures, reference)
+        console.print(f"failed   {text}; see the images in {folder}", style="red", markup=False)
+        return False
+    if found.reference is None and found.stale is not None:
+        lookup.adopt(scene, *found.stale)
+        console.print(f"adopted  {text}", markup=False)
+        return True
+    console.print(f"passed   {text}", markup=False)
+    return not found.message
 
 
 def _reference_folder(collection: Collection, label: str) -> Path:
@@ -175,8 +199,8 @@ def _reference_folder(collection: Collection, label: str) -> Path:
     return path.parent.parent / storage.FOLDER
 
 
-def _noise_floor(info: ReferenceInfo) -> str:
+def _noise_floor(reference: Reference) -> str:
     floors = (
-        f"{name} {value:.5f}" for name, value in info.noise_floor.items() if value is not None
+        f"{name} {value:.5f}" for name, value in reference.noise_floor.items() if value is not None
     )
     return "noise floor " + ", ".join(floors)

@@ -2,12 +2,20 @@
 
 from __future__ import annotations
 
+import shlex
+import sys
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from oitbench.cli import options
 from oitbench.matrix.plan import CELL_SECONDS
+
+if TYPE_CHECKING:
+    from oitbench.matrix.run import Summary
+
+_WIDE = 200
 
 
 @click.command()
@@ -78,7 +86,10 @@ def command(
 ) -> None:
     """Render scenes with methods, score them against both truths, and account for their cost.
 
-    Finished cells of an earlier run in the same folder are kept; failed ones are tried again.
+    Finished cells of an earlier run in the same folder are kept if nothing that determines them has
+    changed; failed ones are tried again.
+
+    The exit code is 1 if a cell failed, timed out, is unstable or is suspect.
     """
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
@@ -86,28 +97,55 @@ def command(
     from oitbench.matrix.cell import Cell
     from oitbench.matrix.plan import plan_matrix
     from oitbench.matrix.run import run_matrix
-    from oitbench.results.schema import Record
+    from oitbench.results.schema import TROUBLED, Record
 
     matrix = plan_matrix(
         scenes, methods, preset, size, effects, ssaa, out, collections, seed, force,
         timeout, workers, memory_gib,
     )  # fmt: skip
-    console = Console(stderr=True)
+    console = Console(stderr=True, highlight=False, soft_wrap=True)
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn())
-    with Progress(*columns, console=console, transient=True) as progress:
+    # In a file or a pipe, the bar would end in an empty line.
+    hidden = not console.is_terminal
+    with Progress(*columns, console=console, transient=True, disable=hidden) as progress:
         task = progress.add_task("cells", total=len(matrix.cells))
 
-        def show(cell: Cell, record: Record) -> None:
-            progress.advance(task)
-            if not record.finished:
-                console.print(
-                    f"{record.status}: {cell.scene} {cell.method}: {record.reason}",
-                    markup=False,
-                    highlight=False,
-                    soft_wrap=True,
-                )
+        def note(line: str) -> None:
+            console.print(line, markup=False)
 
-        summary = run_matrix(matrix, show)
+        def show(cell: Cell, record: Record | None) -> None:
+            progress.advance(task)
+            if record is not None and (record.status in TROUBLED or record.status == "skipped"):
+                note(f"{record.status}: {cell.scene} {cell.method}: {record.reason}")
+
+        summary = run_matrix(matrix, show, note)
+    _print_end(out, summary)
+    sys.exit(summary.exit_code)
+
+
+def _print_end(out: Path, summary: Summary) -> None:
+    """Print the cells that a user should look at, the summary, and the next commands."""
     if summary.warning:
         click.echo(f"disturbed: {summary.warning}", err=True)
+    if summary.troubled:
+        _print_table(summary)
     click.echo(f"{out}: {summary}")
+    if any(not record.finished for record in summary.troubled):
+        again = [argument for argument in sys.argv[1:] if argument != "--force"]
+        click.echo(f"failed cells again: {shlex.join(['oitbench', *again])}")
+    click.echo(f"next: {shlex.join(['oitbench', 'report', str(out)])}")
+
+
+def _print_table(summary: Summary) -> None:
+    from rich import box
+    from rich.console import Console
+    from rich.table import Table
+
+    table = Table(box=box.SIMPLE)
+    for title in ("status", "scene", "method", "effects", "reason"):
+        table.add_column(title, overflow="fold")
+    for record in summary.troubled:
+        table.add_row(record.status, record.scene, record.method, record.effects, record.reason)
+    # Keep whole labels in files and pipes.
+    width = None if sys.stdout.isatty() else _WIDE
+    Console(width=width, markup=False, highlight=False).print(table)

@@ -60,9 +60,12 @@ def command(
             found = suite.variants(collection, [found[0].name])
         chosen |= {method.label: method for method in found}
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn())
+    console = Console(stderr=True)
+    # In a file or a pipe, the bar would end in an empty line.
+    hidden = not console.is_terminal
     with (
         Device() as device,
-        Progress(*columns, console=Console(stderr=True), transient=True) as progress,
+        Progress(*columns, console=console, transient=True, disable=hidden) as progress,
     ):
         task = progress.add_task("checks", total=len(suite.checks()) * len(chosen))
         results = suite.run(

@@ -5,6 +5,7 @@ An image is an array of shape (h, w, 3), float32: linear Rec.709 radiance, top r
 
 from __future__ import annotations
 
+import errno
 import os
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -14,14 +15,21 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from oitbench.atomic import replacing
+from oitbench.atomic import FULL_DISK, replacing
 from oitbench.errors import UsageError, printable
 
 Image = npt.NDArray[np.float32]
 
+Channels = Mapping[str, npt.NDArray[Any]]
+"""Pixels of an OpenEXR file by channel; R, G and B are one entry."""
+
 _LARGEST_HALF = float(np.finfo(np.float16).max)
 _NONFINITE_COLOR = (1.0, 0.0, 1.0)
 _MAP_CHANNELS = ("ldr", "hdr")
+_ZIP_ROWS = 16
+"""Rows of each block of a ZIP-compressed OpenEXR file."""
+_PROBE = 1 << 16
+"""Bytes that a full disk does not take any more."""
 
 
 def check(image: npt.ArrayLike, owner: str = "image") -> Image:
@@ -93,20 +101,27 @@ def write_exr(path: Path | str, image: npt.ArrayLike, *, half: bool = False) -> 
 
     Raises
     ------
-    UsageError
+    StorageError
         If the file cannot be written.
     ValueError
         If a finite value does not fit a half float and `half` is set.
     """
+    channels = image_channels(image, half=half)
+    with replacing(Path(path)) as partial:
+        write_channels(partial, channels)
+
+
+def image_channels(image: npt.ArrayLike, *, half: bool = False) -> Channels:
+    """Return the channels of a file that holds `image`; see `write_exr`."""
     pixels = check(image)
     if half and not fits_half(pixels):
         largest = np.abs(pixels[np.isfinite(pixels)]).max()
-        raise ValueError(f"{path}: {largest:g} does not fit a half float; write float32")
-    _write_channels(Path(path), {"RGB": pixels.astype(np.float16) if half else pixels})
+        raise ValueError(f"{largest:g} does not fit a half float; write float32")
+    return {"RGB": pixels.astype(np.float16) if half else pixels}
 
 
 def read_flip_maps(path: Path | str) -> tuple[Image, Image]:
-    """Read the two FLIP maps that `write_flip_maps` wrote.
+    """Read two FLIP maps.
 
     Returns
     -------
@@ -129,34 +144,27 @@ def read_flip_maps(path: Path | str) -> tuple[Image, Image]:
     return ldr, hdr
 
 
-def write_flip_maps(path: Path | str, ldr: npt.ArrayLike, hdr: npt.ArrayLike) -> None:
-    """Write two FLIP maps as the half-float channels `ldr` and `hdr` of one OpenEXR file.
-
-    An existing file is replaced atomically.
+def flip_channels(ldr: npt.ArrayLike, hdr: npt.ArrayLike) -> Channels:
+    """Return the half-float channels `ldr` and `hdr` of a file that holds two FLIP maps.
 
     Parameters
     ----------
-    path : path
-        Missing folders are created.
     ldr, hdr : array, shape (h, w)
         FLIP errors of the displayed image and of HDR-FLIP, in [0, 1].
 
     Raises
     ------
-    UsageError
-        If the file cannot be written.
     ValueError
         If the maps are not two arrays of one size.
     """
     maps = [np.asarray(errors) for errors in (ldr, hdr)]
     if maps[0].ndim != 2 or maps[0].shape != maps[1].shape or not maps[0].size:
         raise ValueError(f"FLIP maps are {maps[0].shape} and {maps[1].shape}; both must be (h, w)")
-    halves = [errors.astype(np.float16) for errors in maps]
-    _write_channels(Path(path), dict(zip(_MAP_CHANNELS, halves, strict=True)))
+    return {name: item.astype(np.float16) for name, item in zip(_MAP_CHANNELS, maps, strict=True)}
 
 
-def _read_channels(path: Path) -> dict[str, npt.NDArray[Any]]:
-    """Return all channels of an OpenEXR file; R, G and B are one entry."""
+def _read_channels(path: Path) -> Channels:
+    """Return all channels of an OpenEXR file."""
     import OpenEXR
 
     if not path.is_file():
@@ -168,18 +176,54 @@ def _read_channels(path: Path) -> dict[str, npt.NDArray[Any]]:
         raise UsageError(f"{path} is not a readable OpenEXR image; render it again") from error
 
 
-def _write_channels(path: Path, channels: Mapping[str, npt.NDArray[Any]]) -> None:
+def write_channels(path: Path, channels: Channels) -> None:
+    """Write a ZIP-compressed OpenEXR file; a failure may leave a part of it.
+
+    Raises
+    ------
+    OSError
+        If the file cannot be written.
+    """
     import OpenEXR
 
     # The binding modifies the header, and silently misreads arrays that are not C-contiguous.
     header = {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage}
     file = OpenEXR.File(header, {k: np.ascontiguousarray(v) for k, v in channels.items()})
-    with replacing(path) as partial:
-        try:
-            with _utf8_name(partial, os.O_RDWR | os.O_CREAT) as name:
-                file.write(name)
-        except RuntimeError as error:
-            raise OSError(str(error)) from error
+    try:
+        with _utf8_name(path, os.O_RDWR | os.O_CREAT) as name:
+            file.write(name)
+    except RuntimeError as error:
+        # OpenEXR knows the reason only as text.
+        known = (code for code in FULL_DISK if os.strerror(code) in str(error))
+        code = next(known, None)
+        reason = (errno.EIO, str(error)) if code is None else (code, os.strerror(code))
+        raise OSError(*reason) from error
+    if not _is_whole(path.read_bytes(), next(iter(channels.values())).shape[0]):
+        with path.open("ab") as file:  # The system names the reason when it refuses more.
+            file.write(bytes(_PROBE))
+            file.flush()
+            os.fsync(file.fileno())
+        raise OSError(errno.EIO, os.strerror(errno.EIO))
+
+
+def _is_whole(content: bytes, rows: int) -> bool:
+    """Return whether a ZIP-compressed OpenEXR file has all its blocks of rows.
+
+    OpenEXR does not notice that its last write fails, which for small files is the only one. The
+    layout is that of "OpenEXR File Layout": after the header comes a table with the place of each
+    block, and each block begins with its first row and its size.
+    """
+    try:
+        place = 8
+        while content[place]:
+            for _ in ("name", "type"):
+                place = content.index(b"\0", place) + 1
+            place += 4 + int.from_bytes(content[place : place + 4], "little")
+        table = np.frombuffer(content, "<u8", -(-rows // _ZIP_ROWS), place + 1)
+        ends = [int(at) + 8 + int.from_bytes(content[at + 4 : at + 8], "little") for at in table]
+    except (IndexError, ValueError):
+        return False
+    return bool(table.all()) and max(ends) == len(content)
 
 
 @contextmanager

@@ -9,13 +9,17 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from oitbench.effects import Effect, names
-from oitbench.errors import CapabilityError, DeclarationError, OitbenchError
+from oitbench.errors import CapabilityError, DeclarationError, OitbenchError, StorageError
 from oitbench.gl.device import Device
 from oitbench.gl.frame import Frame, Image, check_size
 from oitbench.gl.plan import FramePlan
 from oitbench.gl.uploaded_scene import UploadedScene
-from oitbench.image import files, metrics
+from oitbench.image import files, metrics, stored
+from oitbench.image.files import Channels
+from oitbench.image.stored import StoredImage
 from oitbench.matrix.cell import Cell, choose_effects
+from oitbench.matrix.identity import Identities
+from oitbench.matrix.stage import Stage, with_transmittance
 from oitbench.matrix.timed_cells import ScoredCell, Timing, time_cells
 from oitbench.measure import accounting
 from oitbench.measure.rounds import Schedule
@@ -24,20 +28,21 @@ from oitbench.plugins import Collection
 from oitbench.results.schema import (
     EXACT,
     PATH_TRACED,
-    CellKey,
     EffectNames,
+    Fingerprints,
     Memory,
     Nonfinite,
     Outcome,
     PassRuns,
     Record,
+    Renderer,
     Scores,
     SharedShading,
     Status,
     Traffic,
     flip_image,
 )
-from oitbench.results.store import image_path
+from oitbench.results.store import IMAGES
 from oitbench.scene import Scene
 from oitbench.workers.messages import Step
 
@@ -47,6 +52,7 @@ _DRAWING_TRUTH = Step("drawing the exact truth", shared=True)
 _DRAWING = Step("drawing and scoring the picture")
 _PATH_TRACING = Step("path tracing the scene", shared=True)
 _TIMING = Step("timing the scene")
+_CHANGED = Timing(reason="its files changed during the run; run again")
 
 
 @dataclass
@@ -68,22 +74,6 @@ class Stopwatch:
         """Return the seconds since the last call."""
         spent, self.spent = self.spent, {}
         return spent
-
-
-@dataclass(frozen=True)
-class _Stage:
-    """A scene on the device with its exact truth, which the cells of one scene and size share."""
-
-    label: str
-    size: tuple[int, int]
-    ssaa: int
-    uploaded: UploadedScene
-    exact: Image
-    exact_transmittance: Image
-
-    @property
-    def scene(self) -> Scene:
-        return self.uploaded.scene
 
 
 @dataclass(frozen=True)
@@ -118,7 +108,8 @@ class Bench:
         self.collection, self.folder, self._on_step = collection, folder, on_step
         self.device = Device()
         self.watch = Stopwatch()
-        self._stage: _Stage | None = None
+        self.identities = Identities(collection, lambda: on_step(_BUILDING))
+        self._stage: Stage | None = None
 
     def __enter__(self) -> Bench:
         return self
@@ -127,39 +118,58 @@ class Bench:
         self.leave_scene()
         self.device.release()
 
+    @property
+    def gl(self) -> Renderer:
+        """The renderer."""
+        device = self.device
+        vendor = str(device.context.info["GL_VENDOR"])
+        return Renderer(device.renderer, vendor, device.version, device.software)
+
     def leave_scene(self) -> None:
         """Free the scene that is kept for further cells."""
         if self._stage is not None:
             stage, self._stage = self._stage, None
             stage.uploaded.release()
 
-    def run(self, cell: Cell, path_traced: bool = True) -> Record:
+    def run(self, cell: Cell) -> Record:
         """Render and score one cell; an error that belongs to the cell becomes its reason.
 
-        Parameters
-        ----------
-        cell : Cell
-        path_traced : bool
-            Whether to score it against path tracing too.
+        Raises
+        ------
+        StorageError
+            An image cannot be written, which is not the cell's fault.
         """
         start = time.perf_counter()
+        fingerprints: Fingerprints | None = None
         outcome: Outcome | None = None
         status: Status = "ok"
         reason = ""
         try:
-            outcome = self._run(cell, path_traced)
+            (method,) = self.collection.expand_methods([cell.method])
+            fingerprints = self.identities.of(cell, method)
+            outcome = self._run(cell, method)
+            self.identities.check_unchanged(method)
+        except StorageError:
+            raise
         except CapabilityError as error:
             status, reason = "skipped", str(error)
         except OitbenchError as error:
-            status, reason = "failed", str(error)
+            status, reason, outcome = "failed", str(error), None
         else:
             reason = _unstable_pixels(outcome.nonfinite)
             status = "unstable" if reason else "ok"
-        seconds = time.perf_counter() - start
-        return cell.record(status, reason, seconds=seconds, outcome=outcome)
+        record = cell.record(
+            status,
+            reason,
+            seconds=time.perf_counter() - start,
+            gl=self.gl,
+            fingerprints=fingerprints,
+            outcome=outcome,
+        )
+        drawn = outcome is None or outcome.max_depth_complexity > 0
+        return record if drawn else _without_fragments(record, self.identities.scene(cell.scene))
 
-    def _run(self, cell: Cell, path_traced: bool) -> Outcome:
-        (method,) = self.collection.expand_methods([cell.method])
+    def _run(self, cell: Cell, method: Method) -> Outcome:
         fine = (cell.size[0] * cell.ssaa, cell.size[1] * cell.ssaa)
         check_size(self.device, fine)
         stage = self._prepare(cell)
@@ -169,20 +179,19 @@ class Bench:
         effects = requested & method.shows
         with self.watch.running("rendering"):
             with Frame(uploaded, method, fine, effects) as frame:
-                image, transmittance = _with_transmittance(frame, cell.ssaa)
+                image, transmittance = with_transmittance(frame, cell.ssaa)
                 complexity, plan = int(frame.complexity.max()), frame.plan
             cost = _count(uploaded, method, cell.size, effects, plan)
             spread = _order_spread(uploaded, method, cell, effects, plan)
-        images = {"color": image_path(cell.key, "color"), EXACT: _shared_image(cell, EXACT)}
-        files.write_exr(self.folder / images["color"], image)
-        exact = self._score(cell, EXACT, stage.exact, image, scene.exposure, images)
+        images = {"color": self._store("color", files.image_channels(image))}
+        exact = self._score(EXACT, stage, stage.exact, image, images)
         exact[metrics.TRANSMITTANCE] = metrics.rmse_transmittance(
             stage.exact_transmittance, transmittance
         )
         scores = {EXACT: Scores(exact | spread), PATH_TRACED: Scores(reason=_LEFT_OUT)}
-        if path_traced:
+        if PATH_TRACED in cell.truths:
             self._on_step(_PATH_TRACING)
-            scores[PATH_TRACED] = self._score_path_traced(cell, scene, image, images)
+            scores[PATH_TRACED] = self._score_path_traced(stage, image, images)
         return Outcome(
             parameters=method.values,
             effects=EffectNames(
@@ -203,7 +212,7 @@ class Bench:
             plan=plan.digest,
         )
 
-    def _prepare(self, cell: Cell) -> _Stage:
+    def _prepare(self, cell: Cell) -> Stage:
         """Return the stage of the cell's scene. It is kept while scene and size stay the same."""
         wanted = (cell.scene, cell.size, cell.ssaa)
         stage = self._stage
@@ -211,74 +220,79 @@ class Bench:
             return stage
         self.leave_scene()
         with self.watch.running("rendering"), ExitStack() as stack:
-            self._on_step(_BUILDING)
-            scene = self.collection.build_scene(cell.scene)
+            scene = self.identities.scene(cell.scene)
             self._on_step(_DRAWING_TRUTH)
             uploaded = stack.enter_context(UploadedScene(self.device, scene))
             truth = self.collection.truth()
             fine = (cell.size[0] * cell.ssaa, cell.size[1] * cell.ssaa)
             with Frame(uploaded, truth, fine, scene.effects & truth.shows) as frame:
-                exact, transmittance = _with_transmittance(frame, cell.ssaa)
-            files.write_exr(self.folder / _shared_image(cell, EXACT), exact)
+                exact, transmittance = with_transmittance(frame, cell.ssaa)
+            images = {EXACT: self._store(EXACT, files.image_channels(exact))}
             stack.pop_all()
-        self._stage = _Stage(cell.scene, cell.size, cell.ssaa, uploaded, exact, transmittance)
+        self._stage = Stage(*wanted, uploaded, exact, transmittance, images)
         return self._stage
+
+    def _store(self, kind: str, channels: Channels) -> StoredImage:
+        return stored.store(self.folder, f"{IMAGES}/{kind}", channels)
 
     def _score(
         self,
-        cell: Cell,
         truth: str,
+        stage: Stage,
         reference: Image,
         image: Image,
-        exposure: float,
-        images: dict[str, str],
+        images: dict[str, StoredImage],
     ) -> dict[str, float | None]:
-        """Return all metrics against a truth, and add the maps of FLIP to `images`."""
+        """Return all metrics against a truth, and add it and its maps of FLIP to `images`."""
+        images[truth] = stage.images[truth]
         with self.watch.running("metrics"):
-            evaluation = metrics.compare(reference, image, exposure)
+            evaluation = metrics.compare(reference, image, stage.scene.exposure)
             if evaluation.maps:
-                kind = flip_image(truth)
-                images[kind] = image_path(cell.key, kind)
                 maps = (evaluation.maps[metrics.FLIP_LDR], evaluation.maps[metrics.FLIP_HDR])
-                files.write_flip_maps(self.folder / images[kind], *maps)
+                kind = flip_image(truth)
+                images[kind] = self._store(kind, files.flip_channels(*maps))
         return evaluation.values
 
     def _score_path_traced(
-        self, cell: Cell, scene: Scene, image: Image, images: dict[str, str]
+        self, stage: Stage, image: Image, images: dict[str, StoredImage]
     ) -> Scores:
-        """Score the image against path tracing, and add the path-traced picture to `images`."""
-        from oitbench.path_traced.references.lookup import find_or_render
-
+        """Score the image against path tracing, and add that truth to `images`."""
         try:
             with self.watch.running("references"):
-                reference = find_or_render(
-                    scene, cell.scene, cell.size, cell.ssaa, self.collection.folders
-                )
+                reference, message = stage.reference(self.collection.folders)
         except CapabilityError as error:
             return Scores(reason=str(error))
-        images[PATH_TRACED] = _shared_image(cell, PATH_TRACED)
-        files.write_exr(self.folder / images[PATH_TRACED], reference.mean)
-        values = self._score(cell, PATH_TRACED, reference.mean, image, scene.exposure, images)
-        return Scores(values, reference.info.noise_floor, message=reference.message)
+        if PATH_TRACED not in stage.images:
+            channels = files.image_channels(reference.mean)
+            stage.images[PATH_TRACED] = self._store(PATH_TRACED, channels)
+        values = self._score(PATH_TRACED, stage, reference.mean, image, images)
+        return Scores(values, reference.noise_floor, message=message)
 
     def time(self, cells: Sequence[ScoredCell], schedule: Schedule) -> list[Timing]:
-        """Time the cells of one scene against each other; see `time_cells`."""
+        """Time the cells of one scene against each other; see `time_cells`.
+
+        The times of a cell whose files have changed since it was scored would be those of another.
+        """
         with self.watch.running("rendering"):
-            self._on_step(_TIMING)
-            return time_cells(self.device, self.collection, cells, schedule)
+            same = [
+                scored
+                for scored in cells
+                if scored.fingerprints in (None, self.identities.find(scored.cell))
+            ]
+            timings: list[Timing] = []
+            if same:
+                scene = self.identities.scene(same[0].cell.scene)
+                self._on_step(_TIMING)
+                timings = time_cells(self.device, self.collection, scene, same, schedule)
+            found = dict(zip((scored.cell for scored in same), timings, strict=True))
+        return [found.get(scored.cell, _CHANGED) for scored in cells]
 
 
-def _shared_image(cell: Cell, kind: str) -> str:
-    """Return the path of an image that all methods of the cell's scene share."""
-    return image_path(CellKey(cell.scene, "", cell.size, cell.ssaa, ""), kind)
-
-
-def _with_transmittance(frame: Frame, ssaa: int) -> tuple[Image, Image]:
-    """Return the image and the transmittance alone, averaged over sub-pixels."""
-    frame.render()
-    image = files.box_downsample(frame.image(), ssaa)
-    frame.render(transmittance=True)
-    return image, files.box_downsample(frame.image(), ssaa)
+def _without_fragments(record: Record, scene: Scene) -> Record:
+    """Return the record of a picture in which nothing was drawn, which scores perfectly."""
+    if not scene.transparent and scene.lists is None:
+        return record
+    return record.suspect("no fragment of a transparent object was drawn; check the camera")
 
 
 def _require_same(plan: FramePlan, scored: FramePlan, when: str) -> None:

@@ -9,7 +9,7 @@ from msgspec import Struct
 from oitbench.effects import Effect
 from oitbench.errors import UsageError, unknown
 from oitbench.method.ablation import REQUESTED, leave_out
-from oitbench.results.schema import CellKey, Record, Status
+from oitbench.results.schema import EXACT, PATH_TRACED, CellKey, Record, Status
 
 
 class Cell(Struct, frozen=True):
@@ -30,6 +30,8 @@ class Cell(Struct, frozen=True):
     permutations : int
         Random orders of the draws in which the image is rendered again, without sub-pixels, to
         measure how far it depends on them.
+    truths : tuple of str
+        Keys of the truths to score against; the exact one is always among them.
     """
 
     scene: str
@@ -39,6 +41,7 @@ class Cell(Struct, frozen=True):
     effects: str = REQUESTED
     seed: int = 1
     permutations: int = 4
+    truths: tuple[str, ...] = (EXACT, PATH_TRACED)
 
     @property
     def key(self) -> CellKey:
@@ -57,7 +60,7 @@ class Cell(Struct, frozen=True):
         name = self.method.partition("[")[0]
         return Record(
             self.scene, self.method, name, self.size, self.ssaa, self.effects, self.seed,
-            status, reason, **fields,
+            self.permutations, list(self.truths), status, reason, **fields,
         )  # fmt: skip
 
 

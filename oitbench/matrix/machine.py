@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.metadata
 import platform
 import re
 import subprocess
@@ -11,6 +10,7 @@ from datetime import datetime, timezone
 from pathlib import Path
 
 from oitbench.errors import printable
+from oitbench.fingerprints.code import package_version
 from oitbench.measure.disturbance import usable_cores
 from oitbench.results.schema import Commit, Renderer, RunFacts
 from oitbench.results.times import Processor
@@ -94,14 +94,6 @@ def cpu_model() -> str:
         text = ""
     match = re.search(r"^model name\s*:\s*(.+)$", text, re.MULTILINE)
     return match[1].strip() if match else platform.processor() or platform.machine()
-
-
-def package_version(name: str) -> str | None:
-    """Return the version of an installed package, or None."""
-    try:
-        return importlib.metadata.version(name)
-    except importlib.metadata.PackageNotFoundError:
-        return None
 
 
 def git_state(folder: Path) -> Commit | None:

@@ -13,6 +13,7 @@ from oitbench.effects import Effect
 from oitbench.errors import UsageError
 from oitbench.matrix.cell import Cell, choose_effects
 from oitbench.method.ablation import EACH, REQUESTED
+from oitbench.results.schema import EXACT, PATH_TRACED
 from oitbench.workers import memory
 
 CELL_SECONDS = 1800.0
@@ -162,11 +163,13 @@ def plan_matrix(
             choose_effects(text, Effect.NONE)
     limit = memory.limit(memory_gib, workers)
     seconds = LOAD_SECONDS if timeout is None else min(timeout, LOAD_SECONDS)
+    truths = (EXACT, PATH_TRACED) if chosen.path_traced else (EXACT,)
+    settings = (seed, chosen.permutations, truths)
     with Catalog(collections, limit, seconds) as catalog:
         chosen_scenes = catalog.expand_scenes(scenes or _preset_scenes(catalog, chosen))
         chosen_methods = catalog.expand_methods(methods or _preset_methods(catalog, chosen))
         pairs = [
-            (Cell(scene.label, method.label, size, ssaa, effect, seed, chosen.permutations), error)
+            (Cell(scene.label, method.label, size, ssaa, effect, *settings), error)
             for scene in chosen_scenes
             for method, axis in _expand_effects(catalog, scene, chosen_methods, effects, timeout)
             for effect in axis

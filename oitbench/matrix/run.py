@@ -3,34 +3,29 @@
 from __future__ import annotations
 
 import sys
-import threading
 import time
-from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
-from contextlib import suppress
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from queue import Empty, Queue
 from typing import Any
 
 import msgspec
 
-from oitbench.errors import OitbenchError
+from oitbench.errors import printable
 from oitbench.matrix import machine
 from oitbench.matrix.cell import Cell
 from oitbench.matrix.plan import Matrix, plan_matrix
 from oitbench.matrix.pool import WorkerProcess
+from oitbench.matrix.rendering import OnLine, OnRecord, Rendering
+from oitbench.matrix.resume import Resume
 from oitbench.matrix.timed_cells import ScoredCell, Timing
 from oitbench.matrix.timed_scenes import due_scenes, time_scene
-from oitbench.matrix.worker import CellDone, CellsTimed, Greeting, Hello, RunCell, TimeCells
-from oitbench.results.schema import Record
+from oitbench.matrix.worker import CellsTimed, Greeting, Hello, TimeCells
+from oitbench.measure.rounds import Schedule
+from oitbench.results.schema import TROUBLED, Record
 from oitbench.results.store import Store
 from oitbench.results.times import Processor
-from oitbench.workers.process import WorkerError
 
-OnRecord = Callable[[Cell, Record], None]
-Done = tuple[Cell, CellDone] | BaseException
-_WAKE_SECONDS = 1.0
 _KINDS = ("rendering", "metrics", "references")
 
 
@@ -41,9 +36,11 @@ class Summary:
     Parameters
     ----------
     statuses : dict of str to int
-        Number of records by status.
+        Number of cells that were run, by status.
     kept : int
         Cells that an earlier run had finished.
+    troubled : list of Record
+        Cells of the matrix that a user should look at, also kept ones.
     wall : float
         Wall-clock seconds.
     spent : dict of str to float
@@ -55,6 +52,7 @@ class Summary:
 
     statuses: dict[str, int] = field(default_factory=dict)
     kept: int = 0
+    troubled: list[Record] = field(default_factory=list)
     wall: float = 0.0
     spent: dict[str, float] = field(default_factory=dict)
     disturbed: dict[str, float] = field(default_factory=dict)
@@ -78,6 +76,11 @@ class Summary:
         """Add seconds by kind of work."""
         for kind, seconds in spent.items():
             self.spent[kind] = self.spent.get(kind, 0.0) + seconds
+
+    @property
+    def exit_code(self) -> int:
+        """0 if all cells are well, else 1."""
+        return 1 if self.troubled else 0
 
     def __str__(self) -> str:
         done = ", ".join(f"{count} {status}" for status, count in sorted(self.statuses.items()))
@@ -106,146 +109,76 @@ def run(
     return run_matrix(plan_matrix(scenes, methods, preset, size, out=out, **options))
 
 
-def run_matrix(matrix: Matrix, on_record: OnRecord = lambda cell, record: None) -> Summary:
+def run_matrix(
+    matrix: Matrix,
+    on_record: OnRecord = lambda cell, record: None,
+    on_line: OnLine = lambda line: None,
+) -> Summary:
     """Run all cells of a matrix that are not finished; each is on the disk when it is done.
 
     Parameters
     ----------
     matrix : Matrix
     on_record : callable
-        Called with every record as it comes.
+        Called with every record as it comes, and with None for a cell that is kept.
+    on_line : callable
+        Called with a line about finished cells that are run again, and why.
 
     Raises
     ------
     UsageError
         The results folder cannot be used.
+    StorageError
+        A file cannot be written. Cells that finished before are kept.
     CapabilityError
         There is no OpenGL on this machine.
     """
     start = time.perf_counter()
     summary = Summary()
-    store = Store.open(matrix.out)
     pool = [
         WorkerProcess(matrix.collections, matrix.method_folders, matrix.out, matrix.memory_limit)
         for _ in range(matrix.workers)
     ]
-    try:
-        greeting = pool[0].ask(Hello(), Greeting)
-        facts = machine.collect(
-            greeting.gl, argv=sys.argv, seed=matrix.seed, methods=matrix.methods
-        )
-        store.write_run(facts)
-        todo = [cell for cell in matrix.cells if matrix.force or not _rendered(store, cell)]
-        summary.kept = len(matrix.cells) - len(todo)
-        _render_all(todo, pool, matrix, store, summary, on_record)
-        for extra in pool[1:]:
-            extra.stop()
-        if matrix.preset.rounds:
-            _time_all(matrix, pool[0], store, summary, set(todo), facts.cpu)
-        for cell in todo:
-            record = store.find(cell.key)
-            status = record.status if record else "failed"
-            summary.statuses[status] = summary.statuses.get(status, 0) + 1
-        store.compact()
-        summary.wall = time.perf_counter() - start
-        wall = {"total": summary.wall, "rest": summary.rest, **summary.spent}
-        store.write_run(msgspec.structs.replace(facts, wall=wall))
-    finally:
-        for worker in pool:
-            worker.stop()
+    with Store.open(matrix.out) as store:
+        try:
+            greeting = pool[0].ask(Hello(), Greeting, retry=True)
+            store.check_renderer(greeting.gl.renderer)
+            facts = machine.collect(
+                greeting.gl,
+                argv=list(map(printable, sys.argv)),
+                seed=matrix.seed,
+                methods=matrix.methods,
+            )
+            store.write_run(facts)
+            resume = Resume(store, greeting.gl, matrix.force)
+            rendering = Rendering(matrix, resume, on_record, on_line)
+            rendering.run(pool)
+            for spent in rendering.spent:
+                summary.add(spent)
+            for extra in pool[1:]:
+                extra.stop()
+            if matrix.preset.rounds:
+                _time_all(matrix, pool[0], store, summary, rendering.fresh, facts.cpu)
+            _count(matrix, store, summary, rendering.fresh)
+            store.compact()
+            summary.wall = time.perf_counter() - start
+            wall = {"total": summary.wall, "rest": summary.rest, **summary.spent}
+            store.write_run(msgspec.structs.replace(facts, wall=wall))
+        finally:
+            for worker in pool:
+                worker.stop()
     return summary
 
 
-def _rendered(store: Store, cell: Cell) -> bool:
-    record = store.find(cell.key)
-    return record is not None and record.status in ("ok", "unstable", "skipped")
-
-
-def _render_all(
-    todo: list[Cell],
-    pool: list[WorkerProcess],
-    matrix: Matrix,
-    store: Store,
-    summary: Summary,
-    on_record: OnRecord,
-) -> None:
-    """Distribute scenes over the workers; a scene stays with one worker, which uploads it once."""
-    scenes: dict[str, list[Cell]] = {}
-    for cell in todo:
-        scenes.setdefault(cell.scene, []).append(cell)
-    finished: Queue[Done] = Queue()
-    free: Queue[WorkerProcess] = Queue()
-    for worker in pool:
-        free.put(worker)
-    stopped = threading.Event()
-
-    def render_scene(cells: list[Cell]) -> None:
-        worker = free.get()
-        lost: WorkerError | None = None
-        try:
-            for cell in cells:
-                if not stopped.is_set():
-                    try:
-                        done = _render(worker, cell, matrix, lost)
-                    except WorkerError as error:
-                        done = _unanswered(cell, error)
-                        # The other cells need the same part, which would fail again.
-                        lost = error if error.shared else None
-                    finished.put((cell, done))
-        except BaseException as error:
-            finished.put(error)
-        finally:
-            free.put(worker)
-
-    with ThreadPoolExecutor(len(pool)) as threads:
-        for cells in scenes.values():
-            threads.submit(render_scene, cells)
-        try:
-            for _ in todo:
-                item = _next(finished)
-                if isinstance(item, BaseException):
-                    raise item
-                cell, done = item
-                store.append(done.record)
-                summary.add(done.spent)
-                on_record(cell, done.record)
-        except BaseException:
-            # An interrupt or a bug must not wait for cells that nobody wants.
-            stopped.set()
-            for worker in pool:
-                worker.stop()
-            raise
-
-
-def _next(finished: Queue[Done]) -> Done:
-    """Wait for the next item of a queue.
-
-    Signals that a stopped process receives may reach any of its threads when it goes on. The main
-    thread, which handles them, only notices them when it wakes up.
-    """
-    while True:
-        with suppress(Empty):
-            return finished.get(timeout=_WAKE_SECONDS)
-
-
-def _render(
-    worker: WorkerProcess, cell: Cell, matrix: Matrix, lost: WorkerError | None
-) -> CellDone:
-    if cell in matrix.unusable:
-        return CellDone(cell.record("failed", matrix.unusable[cell]), {})
-    if lost is not None:
-        return _unanswered(cell, lost)
-    try:
-        request = RunCell(cell, matrix.preset.path_traced)
-        return worker.ask(request, CellDone, matrix.timeout)
-    except WorkerError:
-        raise
-    except OitbenchError as error:
-        return CellDone(cell.record("failed", str(error)), {})
-
-
-def _unanswered(cell: Cell, error: WorkerError) -> CellDone:
-    return CellDone(cell.record("timeout" if error.timeout else "failed", str(error)), {})
+def _count(matrix: Matrix, store: Store, summary: Summary, fresh: set[Cell]) -> None:
+    summary.kept = len(matrix.cells) - len(fresh)
+    for cell in matrix.cells:
+        record = store.find(cell.key)
+        assert record is not None
+        if cell in fresh:
+            summary.statuses[record.status] = summary.statuses.get(record.status, 0) + 1
+        if record.status in TROUBLED:
+            summary.troubled.append(record)
 
 
 def _time_all(
@@ -257,18 +190,18 @@ def _time_all(
     cpu: Processor | None,
 ) -> None:
     """Time the finished cells of each scene together, if one of them has no time yet."""
+    schedule = Schedule(matrix.preset.rounds, matrix.preset.budget, matrix.seed)
 
     def ask(cells: list[ScoredCell]) -> list[Timing]:
-        preset = matrix.preset
         limit = None if matrix.timeout is None else matrix.timeout * len(cells)
-        request = TimeCells(cells, preset.rounds, preset.budget, matrix.seed)
+        request = TimeCells(cells, schedule.rounds, schedule.budget, schedule.seed)
         reply = worker.ask(request, CellsTimed, limit)
         summary.add(reply.spent)
         return reply.timings
 
     known = [(cell, store.find(cell.key)) for cell in matrix.cells]
     pairs = [(cell, record) for cell, record in known if record is not None]
-    for scene in due_scenes(pairs, fresh, cpu):
+    for scene in due_scenes(pairs, fresh, cpu, schedule):
         for record in time_scene(scene, ask):
             store.append(record)
             if record.time is not None and record.time.block.disturbed:

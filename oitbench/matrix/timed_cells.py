@@ -18,14 +18,20 @@ from oitbench.measure.agreement import difference
 from oitbench.measure.clock import clock_of
 from oitbench.measure.rounds import Schedule
 from oitbench.plugins import Collection
+from oitbench.results.schema import Fingerprints
 from oitbench.results.times import Time
+from oitbench.scene import Scene
 
 
 class ScoredCell(Struct, frozen=True):
-    """A cell that has been scored, and the digest of the plan that its picture comes from."""
+    """A cell that has been scored, and the content that its picture comes from.
+
+    `plan` is the digest of its plan.
+    """
 
     cell: Cell
     plan: str
+    fingerprints: Fingerprints | None = None
 
 
 class Timing(Struct, frozen=True):
@@ -40,7 +46,11 @@ class Timing(Struct, frozen=True):
 
 
 def time_cells(
-    device: Device, collection: Collection, cells: Sequence[ScoredCell], schedule: Schedule
+    device: Device,
+    collection: Collection,
+    scene: Scene,
+    cells: Sequence[ScoredCell],
+    schedule: Schedule,
 ) -> list[Timing]:
     """Time the cells of one scene against each other; return their times in order.
 
@@ -48,7 +58,6 @@ def time_cells(
     """
     found: dict[str, Timing] = {}
     with ExitStack() as stack:
-        scene = collection.build_scene(cells[0].cell.scene)
         uploaded = stack.enter_context(UploadedScene(device, scene))
         frames: dict[str, Frame] = {}
         for scored in cells:

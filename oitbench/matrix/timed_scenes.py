@@ -9,6 +9,7 @@ import msgspec
 from oitbench.errors import OitbenchError
 from oitbench.matrix.cell import Cell
 from oitbench.matrix.timed_cells import ScoredCell, Timing
+from oitbench.measure.rounds import Schedule
 from oitbench.results.schema import Record
 from oitbench.results.times import Processor
 from oitbench.workers.process import WorkerError
@@ -19,12 +20,12 @@ _NOT_TIMED = "not timed: "
 
 
 def due_scenes(
-    pairs: Sequence[Pair], fresh: Collection[Cell], cpu: Processor | None
+    pairs: Sequence[Pair], fresh: Collection[Cell], cpu: Processor | None, schedule: Schedule
 ) -> list[list[Pair]]:
     """Return the finished cells of each scene and size that has to be timed, as one list each.
 
     Cells are timed together, so one of them is enough: it is fresh, has no time, or was timed on
-    another processor.
+    another processor or in another number of rounds.
     """
     scenes: dict[tuple[str, tuple[int, int]], list[Pair]] = {}
     for cell, record in pairs:
@@ -33,12 +34,16 @@ def due_scenes(
     return [
         group
         for group in scenes.values()
-        if any(cell in fresh or not _is_current(record, cpu) for cell, record in group)
+        if any(cell in fresh or not _is_current(record, cpu, schedule) for cell, record in group)
     ]
 
 
-def _is_current(record: Record, cpu: Processor | None) -> bool:
-    return record.time is not None and (cpu is None or record.time.block.cpu.model == cpu.model)
+def _is_current(record: Record, cpu: Processor | None, schedule: Schedule) -> bool:
+    if record.time is None:
+        return False
+    block = record.time.block
+    same_cpu = cpu is None or block.cpu.model == cpu.model
+    return same_cpu and (block.rounds, block.budget) == (schedule.rounds, schedule.budget)
 
 
 def time_scene(pairs: Sequence[Pair], ask: Ask) -> list[Record]:
@@ -54,7 +59,8 @@ def time_scene(pairs: Sequence[Pair], ask: Ask) -> list[Record]:
         Asks a worker for the times of cells.
     """
     cells = [
-        ScoredCell(cell, record.outcome.plan if record.outcome else "") for cell, record in pairs
+        ScoredCell(cell, record.outcome.plan if record.outcome else "", record.fingerprints)
+        for cell, record in pairs
     ]
     try:
         timings = ask(cells)
@@ -74,11 +80,6 @@ def _timed(record: Record, timing: Timing) -> Record:
     if timing.time is not None:
         return msgspec.structs.replace(record, time=timing.time, reason=reason)
     if timing.suspect:
-        reasons = [reason, timing.reason]
-        status, time = "suspect", None
-    else:
-        reasons = [reason, _NOT_TIMED + timing.reason]
-        status, time = record.status, record.time
-    return msgspec.structs.replace(
-        record, status=status, time=time, reason="; ".join(filter(None, reasons))
-    )
+        return msgspec.structs.replace(record, time=None, reason=reason).suspect(timing.reason)
+    reasons = [reason, _NOT_TIMED + timing.reason]
+    return msgspec.structs.replace(record, reason="; ".join(filter(None, reasons)))

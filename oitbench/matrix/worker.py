@@ -19,7 +19,7 @@ from oitbench.matrix.timed_cells import ScoredCell, Timing
 from oitbench.measure.rounds import Schedule
 from oitbench.places import Places
 from oitbench.plugins import Collection
-from oitbench.results.schema import Record, Renderer
+from oitbench.results.schema import Fingerprints, Record, Renderer
 from oitbench.workers.serve import OnStep, serve
 
 
@@ -35,11 +35,16 @@ class Hello(Struct, frozen=True, tag=True):
     """Asks for a greeting."""
 
 
+class IdentifyCells(Struct, frozen=True, tag=True):
+    """Asks for the fingerprints of the cells of one scene."""
+
+    cells: list[Cell]
+
+
 class RunCell(Struct, frozen=True, tag=True):
     """Asks for one rendered and scored cell."""
 
     cell: Cell
-    path_traced: bool
 
 
 class TimeCells(Struct, frozen=True, tag=True):
@@ -68,6 +73,12 @@ class Greeting(Struct, frozen=True, tag=True):
     gl: Renderer
 
 
+class CellsIdentified(Struct, frozen=True, tag=True):
+    """Fingerprints in the order of the request; None for a scene or a method that is broken."""
+
+    fingerprints: list[Fingerprints | None]
+
+
 class CellDone(Struct, frozen=True, tag=True):
     """A record, and the seconds spent by kind of work."""
 
@@ -88,8 +99,8 @@ class PictureDrawn(Struct, frozen=True, tag=True):
     exposure: float
 
 
-Request = Hello | RunCell | TimeCells | DrawPicture
-Reply = Greeting | CellDone | CellsTimed | PictureDrawn
+Request = Hello | IdentifyCells | RunCell | TimeCells | DrawPicture
+Reply = Greeting | CellsIdentified | CellDone | CellsTimed | PictureDrawn
 
 
 def _begin(settings: Settings, on_step: OnStep) -> Callable[[Request], Reply]:
@@ -98,11 +109,11 @@ def _begin(settings: Settings, on_step: OnStep) -> Callable[[Request], Reply]:
 
     def answer(request: Request) -> Reply:
         if isinstance(request, Hello):
-            device = bench.device
-            vendor = str(device.context.info["GL_VENDOR"])
-            return Greeting(Renderer(device.renderer, vendor, device.version, device.software))
+            return Greeting(bench.gl)
+        if isinstance(request, IdentifyCells):
+            return CellsIdentified([bench.identities.find(cell) for cell in request.cells])
         if isinstance(request, RunCell):
-            record = bench.run(request.cell, request.path_traced)
+            record = bench.run(request.cell)
             return CellDone(record, bench.watch.take())
         if isinstance(request, DrawPicture):
             return _draw(bench, request)

@@ -90,7 +90,8 @@ def measure(
     if attempts[0].disturbed:
         attempts.append(_attempt(tasks, schedule, meter))
     best = min(attempts, key=lambda attempt: attempt.foreign or 0.0)
-    block = Block(clock.name, cpu, best.seconds, best.foreign, len(attempts) > 1)
+    repeated, settings = len(attempts) > 1, (schedule.rounds, schedule.budget)
+    block = Block(clock.name, cpu, best.seconds, best.foreign, repeated, *settings)
     errors = {key: error for found in attempts for key, error in found.counted.errors.items()}
     found = Timings()
     for name, frame in frames.items():

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from oitbench.filenames import file_name
 from oitbench.image import files as images
 from oitbench.image.files import Image
 from oitbench.report import figures
@@ -70,7 +71,7 @@ def show_truth(context: ReportContext, panel: Panel, truth: str, folder: Path) -
         None,
         None,
         () if floor is None else (f"noise floor {fixed(floor, 4)}",),
-        "" if image is not None else why_no_truth(panel.cells, truth),
+        "" if image is not None else why_no_truth(context, panel.cells, truth),
         truth=True,
     )
     return _write(tile, image, None, exposure(panel.finished), folder)
@@ -99,7 +100,8 @@ def show_cell(
     label : str
         Heading. Default: the label of the method.
     """
-    tile = Tile(label or cell.method, None, None, values, note(cell))
+    fault = context.results.fault(cell, "color")
+    tile = Tile(label or cell.method, None, None, values, fault or note(cell))
     image, errors = context.results.image(cell, "color"), context.flip_map(cell, truth)
     return _write(tile, image, errors, exposure([cell]), folder)
 
@@ -117,10 +119,11 @@ def note(cell: Record) -> str:
     return f"{cell.status}: {cell.reason}" if cell.reason else cell.status
 
 
-def why_no_truth(cells: Sequence[Record], truth: str) -> str:
+def why_no_truth(context: ReportContext, cells: Sequence[Record], truth: str) -> str:
     """Return the reason why cells have no image of a truth."""
+    faults = (context.results.fault(cell, truth) for cell in cells)
     reasons = (cell.outcome.scores[truth].reason for cell in cells if cell.outcome)
-    return next(filter(None, reasons), "not rendered")
+    return next(filter(None, (*faults, *reasons)), "not rendered")
 
 
 def _write(
@@ -129,7 +132,7 @@ def _write(
     """Write the PNG files of a tile, and return it with their paths."""
     if image is None:
         return Shown(tile, None, None)
-    stem = "".join(letter if letter.isalnum() else "_" for letter in tile.label)
+    stem = file_name(tile.label)
     picture, colored = display(image, stops), None if errors is None else _magma(errors)
     files = [folder / f"{stem}.png", folder / f"{stem}-flip.png"]
     images.write_png(files[0], picture)

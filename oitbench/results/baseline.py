@@ -2,7 +2,8 @@
 
 A baseline holds one flat row per cell: the quality metrics, rounded; the counts that a renderer
 repeats exactly; status, effects and passes. It holds no times, and nothing about the machine except
-the name of its renderer.
+the name of its renderer. A run with cells that have no numbers is no baseline: a comparison with
+nothing always passes.
 
 The project's own baseline, which guards every change, is written anew with
 
@@ -14,6 +15,7 @@ tests/baseline.json shows the effect of the change; read it before committing.
 
 from __future__ import annotations
 
+import hashlib
 import json
 from collections import Counter
 from collections.abc import Mapping, Sequence
@@ -22,17 +24,18 @@ from pathlib import Path
 from typing import Any
 
 from oitbench import json_text
+from oitbench.atomic import replacing
 from oitbench.errors import UsageError
 from oitbench.image import metrics
 from oitbench.results.records import Results
-from oitbench.results.schema import TRUTHS, PassRuns, Record
+from oitbench.results.schema import EXACT, FINISHED, TRUTHS, PassRuns, Record
 from oitbench.results.times import Interval
 
 Entry = int | float | str | None
 Row = Mapping[str, Entry]
 """A cell as flat fields: `exact.rmse_lin`, `traffic.bytes`, `effects.missing`, …"""
 
-FORMAT = 2
+FORMAT = 3
 METRICS = (
     *metrics.NAMES,
     metrics.TRANSMITTANCE,
@@ -109,16 +112,49 @@ def save(folder: Path | str, path: Path | str) -> Snapshot:
     Raises
     ------
     UsageError
-        The folder holds no results, or the file cannot be written.
+        The folder holds no results, a cell failed or has no numbers, or the file cannot be written.
     """
     snapshot = _read_folder(Path(folder))
-    content = {"cells": snapshot.rows, "format": FORMAT, "renderer": snapshot.renderer}
+    _check_each(f"{folder}", snapshot.rows)
+    content: dict[str, Any] = {
+        "cells": snapshot.rows,
+        "checksum": _checksum(snapshot.renderer, snapshot.rows),
+        "format": FORMAT,
+        "renderer": snapshot.renderer,
+    }
     text = json.dumps(content, indent=1, sort_keys=True, ensure_ascii=False, allow_nan=False)
-    try:
-        Path(path).write_text(text + "\n", encoding="utf-8")
-    except OSError as error:
-        raise UsageError(f"{path} cannot be written ({error.strerror})") from error
+    with replacing(Path(path)) as partial:
+        partial.write_text(text + "\n", encoding="utf-8")
     return snapshot
+
+
+def check(owner: str, rows: Mapping[str, Row]) -> None:
+    """Raise `UsageError` if there is no cell with numbers, so that every comparison would pass."""
+    if not any(_has_numbers(fields) for fields in rows.values()):
+        raise UsageError(f"{owner} has no cell with numbers; compare with another run")
+
+
+def _check_each(owner: str, rows: Mapping[str, Row]) -> None:
+    """Raise `UsageError` if a cell has no numbers, so that no change of it could be a regression.
+
+    Skipped cells may have none: the machine lacked a capability, which another may have.
+    """
+    check(owner, rows)
+    for name, fields in rows.items():
+        if fields["status"] != "skipped" and not _has_numbers(fields):
+            raise UsageError(
+                f"{owner}: the cell {name} is {fields['status']} and has no numbers;"
+                " repair it, or leave it out"
+            )
+
+
+def _has_numbers(fields: Row) -> bool:
+    return fields["status"] in FINISHED and fields.get(f"{EXACT}.{metrics.RMSE}") is not None
+
+
+def _checksum(renderer: str, rows: Mapping[str, Row]) -> str:
+    text = json.dumps([renderer, rows], sort_keys=True, allow_nan=False)
+    return hashlib.sha256(text.encode()).hexdigest()[:16]
 
 
 def _read_folder(folder: Path) -> Snapshot:
@@ -144,6 +180,9 @@ def _read_file(path: Path) -> Snapshot:
     for name, fields in rows.items():
         if not _is_row(fields):
             raise UsageError(f"{path}: the cell {name} is damaged; save a new baseline")
+    if content.get("checksum") != _checksum(renderer, rows):
+        raise UsageError(f"{path} is damaged or was edited by hand; save a new baseline")
+    _check_each(f"{path}", rows)
     return Snapshot(renderer, rows)
 
 

@@ -169,9 +169,11 @@ def compare(results: Path | str, baseline: Path | str) -> Comparison:
     Raises
     ------
     UsageError
-        One of the two cannot be read.
+        One of the two cannot be read, or the baseline has no numbers.
     """
-    return compare_snapshots(baselines.read(results), baselines.read(baseline))
+    now, before = baselines.read(results), baselines.read(baseline)
+    baselines.check(str(baseline), before.rows)
+    return compare_snapshots(now, before)
 
 
 def compare_snapshots(now: Snapshot, before: Snapshot) -> Comparison:

@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import msgspec
 
 from oitbench.errors import UsageError
-from oitbench.image import files
+from oitbench.filenames import file_name
+from oitbench.image import files, stored
 from oitbench.image.files import Image
 from oitbench.method.ablation import REQUESTED
 from oitbench.parameters import natural
-from oitbench.results import store
-from oitbench.results.schema import CellKey, Record, RunFacts, flip_image
+from oitbench.results.schema import CellKey, Record, Renderer, RunFacts, flip_image
+from oitbench.results.store import CELLS, RUN, read_cells, read_run
 from oitbench.results.table import flat
 
 if TYPE_CHECKING:
@@ -79,6 +80,7 @@ class Results:
     folder: Path
     records: tuple[Record, ...]
     facts: RunFacts
+    _faults: dict[str, str] = field(default_factory=dict, repr=False, compare=False)
 
     @classmethod
     def load(cls, folder: Path | str) -> Results:
@@ -90,10 +92,10 @@ class Results:
             There is no such folder, it holds no cells, or cells of another version of the suite.
         """
         folder = Path(folder)
-        if not (folder / store.CELLS).is_file():
-            raise UsageError(f"{folder} holds no {store.CELLS}; give the folder of a run")
-        records = tuple(store.read_cells(folder / store.CELLS).values())
-        facts = store.read_run(folder / store.RUN) or RunFacts(gl=None, seed=None)
+        if not (folder / CELLS).is_file():
+            raise UsageError(f"{folder} holds no {CELLS}; give the folder of a run")
+        records = tuple(read_cells(folder / CELLS).values())
+        facts = read_run(folder / RUN) or RunFacts(gl=None, seed=None)
         return cls(folder, records, facts)
 
     @property
@@ -109,12 +111,17 @@ class Results:
     @property
     def renderer(self) -> str:
         """The name of the GL renderer, or "unknown renderer"."""
-        return self.facts.renderer or "unknown renderer"
+        return self._gl.renderer if self._gl else "unknown renderer"
 
     @property
     def software(self) -> bool:
         """Whether that renderer runs on the CPU."""
-        return self.facts.gl is not None and self.facts.gl.software
+        return self._gl is not None and self._gl.software
+
+    @property
+    def _gl(self) -> Renderer | None:
+        """The renderer of the cells; of the last run if no cell names one."""
+        return next((record.gl for record in self.records if record.gl), self.facts.gl)
 
     def panels(self) -> tuple[Panel, ...]:
         """Return the cells by scene, size, sub-pixels and effects, methods in stable order."""
@@ -137,7 +144,7 @@ class Results:
                 place[0],
                 place[1],
                 title=_title(place, several),
-                slug=f"{number:02d}-{_slug(place[0])}",
+                slug=f"{number:02d}-{file_name(place[0])}",
                 cells=tuple(sorted(groups[place], key=_by_method)),
                 ablations=tuple(sorted(reduced.get(place, ()), key=_by_complete)),
             )
@@ -145,12 +152,12 @@ class Results:
         )
 
     def image(self, record: Record, kind: str) -> Image | None:
-        """Return an image of a cell, a key of `Outcome.images`; None if it has none."""
+        """Return an image of a cell, a key of `Outcome.images`; None if it has no intact one."""
         path = self._file(record, kind)
         return None if path is None else files.read_exr(path)
 
     def flip_maps(self, record: Record, truth: str) -> tuple[Image, Image] | None:
-        """Return the stored FLIP maps of a cell against a truth; None if it has none.
+        """Return the stored FLIP maps of a cell against a truth; None if it has no intact ones.
 
         Returns
         -------
@@ -160,10 +167,28 @@ class Results:
         path = self._file(record, flip_image(truth))
         return None if path is None else files.read_flip_maps(path)
 
+    def fault(self, record: Record, kind: str) -> str:
+        """Return the reason why an image of a cell cannot be read; empty if it can, or has none."""
+        image = record.outcome.images.get(kind) if record.outcome else None
+        if image is None:
+            return ""
+        if image.path not in self._faults:
+            try:
+                stored.verify(self.folder, image)
+                self._faults[image.path] = ""
+            except UsageError as error:
+                self._faults[image.path] = f"{error}; run again to render it"
+        return self._faults[image.path]
+
+    @property
+    def faults(self) -> tuple[str, ...]:
+        """The reasons why images that were asked for could not be read, one line each."""
+        return tuple(filter(None, self._faults.values()))
+
     def _file(self, record: Record, kind: str) -> Path | None:
-        """Return the file of an image of a cell, or None if it does not exist."""
-        path = record.outcome.images.get(kind) if record.outcome else None
-        return self.folder / path if path and (self.folder / path).is_file() else None
+        """Return the file of an image of a cell, or None if there is no intact one."""
+        image = record.outcome.images.get(kind) if record.outcome else None
+        return self.folder / image.path if image and not self.fault(record, kind) else None
 
     def frame(self) -> pd.DataFrame:
         """Return one row per cell with flat columns; numbers that do not exist are missing."""
@@ -208,7 +233,3 @@ def _title(place: _Place, several: Iterable[bool]) -> str:
     settings = (f"{width} × {height}", f"ssaa {ssaa}", f"effects {effects}")
     shown = [text for text, differs in zip(settings, several, strict=True) if differs]
     return " · ".join([scene, *shown])
-
-
-def _slug(label: str) -> str:
-    return "".join(letter if letter.isalnum() else "_" for letter in label).strip("_")

@@ -14,7 +14,9 @@ from typing import Annotated, Any, Final, Literal
 import msgspec
 from msgspec import Meta, Struct
 
+from oitbench.image.stored import StoredImage
 from oitbench.parameters import Value
+from oitbench.results.checksum import CHECKSUM
 from oitbench.results.times import Processor, Time
 
 VERSION: Final = 2
@@ -26,6 +28,8 @@ Size = tuple[int, int]
 Status = Literal["ok", "unstable", "suspect", "failed", "skipped", "timeout"]
 FINISHED: frozenset[Status] = frozenset({"ok", "unstable", "suspect"})
 """Statuses of cells that have an image and numbers."""
+TROUBLED: frozenset[Status] = frozenset({"unstable", "suspect", "failed", "timeout"})
+"""Statuses of cells that a user should look at; a run that has one exits with 1."""
 
 EXACT, PATH_TRACED = "exact", "path_traced"
 TRUTHS: Mapping[str, str] = {EXACT: "exact compositing", PATH_TRACED: "path tracing"}
@@ -120,7 +124,7 @@ class Scores(_Typed, frozen=True):
 class Outcome(_Typed, frozen=True):
     """Everything measured of a cell that has an image, except times.
 
-    `images` are paths below the results folder: `color`, the truths, and for each truth
+    `images` are files below the results folder: `color`, the truths, and for each truth
     `flip_TRUTH`, the maps of FLIP (channel `ldr`) and HDR-FLIP (`hdr`). `exposure` is in stops.
     `plan` is a digest of the targets, buffers and passes that the method declared.
     """
@@ -135,7 +139,7 @@ class Outcome(_Typed, frozen=True):
     shading: SharedShading
     nonfinite: Nonfinite
     scores: dict[str, Scores]
-    images: dict[str, str]
+    images: dict[str, StoredImage]
     exposure: float
     plan: str = ""
 
@@ -150,13 +154,37 @@ class CellKey(_Typed, frozen=True):
     effects: str
 
 
+class Fingerprints(_Typed, frozen=True):
+    """Digests of the content that determines a cell.
+
+    `engine` covers the suite's own sources that can change what is measured, and `metrics` those
+    of the metrics. `truths` has a digest for each truth that the cell is scored against.
+    """
+
+    scene: str
+    method: str
+    engine: str
+    metrics: str
+    truths: dict[str, str]
+
+
+class Renderer(_Typed, frozen=True):
+    """The OpenGL renderer; `software` renderers run on the CPU."""
+
+    renderer: str
+    vendor: str = ""
+    version: str = ""
+    software: bool = False
+
+
 class Record(_Typed, frozen=True):
     """One cell of the matrix of scenes and methods.
 
     `scene` and `method` are labels with the parameters that differ from their defaults, and `name`
     is the method's bare name. `size` is in pixels, `ssaa` the side of the sub-pixel grid of
-    accuracy images, and `effects` the requested set of effects. `seconds` is the wall-clock time of
-    rendering and scoring.
+    accuracy images, `effects` the requested set of effects, and `permutations` the number of random
+    orders of the draws. `truths` were asked for. `seconds` is the wall-clock time of rendering and
+    scoring. `gl` and `fingerprints` are null if they were not known when the cell failed.
     """
 
     scene: str
@@ -166,9 +194,13 @@ class Record(_Typed, frozen=True):
     ssaa: Annotated[int, Meta(ge=1)]
     effects: str
     seed: int
+    permutations: Count
+    truths: list[str]
     status: Status
     reason: str = ""
     seconds: float = 0.0
+    gl: Renderer | None = None
+    fingerprints: Fingerprints | None = None
     outcome: Outcome | None = None
     time: Time | None = None
     schema: Literal[2] = VERSION
@@ -189,6 +221,14 @@ class Record(_Typed, frozen=True):
         """Whether there is an image and numbers."""
         return self.status in FINISHED and self.outcome is not None
 
+    def suspect(self, reason: str) -> Record:
+        """Return this record of a finished cell with a reason to distrust it."""
+        if reason in self.reason:
+            return self
+        status: Status = "suspect" if self.status == "ok" else self.status
+        reasons = [item for item in (self.reason, reason) if item]
+        return msgspec.structs.replace(self, status=status, reason="; ".join(reasons))
+
     def metric(self, truth: str, name: str) -> float | None:
         """Return a metric against a truth, or None."""
         scores = self.outcome.scores.get(truth) if self.outcome else None
@@ -208,15 +248,6 @@ class Record(_Typed, frozen=True):
     def requested_effects(self) -> list[str]:
         """Effects that the scene requests and that were not left out."""
         return self.outcome.effects.requested if self.outcome else []
-
-
-class Renderer(_Typed, frozen=True):
-    """The OpenGL renderer; `software` renderers run on the CPU."""
-
-    renderer: str
-    vendor: str = ""
-    version: str = ""
-    software: bool = False
 
 
 class Commit(_Typed, frozen=True):
@@ -262,6 +293,9 @@ def json_schema() -> dict[str, Any]:
     )
     for definition in definitions.values():
         definition["description"] = " ".join(definition["description"].split())
+    for kind in (Record, RunFacts):
+        # Both have a checksum in their file, which is no field of theirs; see `checksum.py`.
+        definitions[kind.__name__]["properties"][CHECKSUM] = {"type": "string"}
     return {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         "title": "Results of oitbench",

@@ -58,7 +58,8 @@ class Block(_Typed, frozen=True):
     `clock` is "wall" on a software renderer, and "gpu" where timestamps of the GPU count. `foreign`
     is the share of the CPU time that other processes took, of all cores that the renderer may use;
     null if the system does not tell. `repeated` says that a first attempt was disturbed. `seconds`
-    is the wall-clock time of all rounds.
+    is the wall-clock time of all rounds. `rounds` and `budget` are those of the preset: the
+    largest number of rounds, and the seconds after which a cell with enough rounds gets no more.
     """
 
     clock: Literal["wall", "gpu"]
@@ -66,6 +67,8 @@ class Block(_Typed, frozen=True):
     seconds: float
     foreign: float | None = None
     repeated: bool = False
+    rounds: int = 0
+    budget: float = 0.0
 
     @property
     def disturbed(self) -> bool:

@@ -110,6 +110,7 @@ class Process:
         kind: type[Expected],
         timeout: float | None = None,
         step: Step | None = None,
+        retry: bool = False,
     ) -> Expected:
         """Send a request and wait for a reply of type `kind`.
 
@@ -121,6 +122,8 @@ class Process:
             Seconds for each step of the work. Default: no limit.
         step : Step, optional
             The step with which the work begins.
+        retry : bool
+            Ask once more if the process ends, as one does that was killed from outside.
 
         Raises
         ------
@@ -129,7 +132,12 @@ class Process:
         OitbenchError
             The far end refused the work for a reason that the user can fix.
         """
-        reply = self._exchange(self.start(), request, timeout, step)
+        try:
+            reply = self._exchange(self.start(), request, timeout, step)
+        except WorkerError as error:
+            if not retry or error.cause != "ended":
+                raise
+            reply = self._exchange(self.start(), request, timeout, step)
         assert isinstance(reply, kind), reply
         return reply
 

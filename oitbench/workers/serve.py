@@ -51,8 +51,11 @@ def serve(
 
     def send(message: Struct) -> None:
         line = msgspec.json.encode(message) + b"\n"
-        outgoing.write(line)
-        outgoing.flush()
+        try:
+            outgoing.write(line)
+            outgoing.flush()
+        except BrokenPipeError:
+            os._exit(1)  # The parent is gone, and with it everybody who would read a traceback.
 
     lines = _read_lines(incoming)
     settings = msgspec.json.decode(lines.get(), type=settings_type)

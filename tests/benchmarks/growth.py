@@ -27,6 +27,7 @@ from oitbench.measure.clock import Clock, clock_of
 from oitbench.measure.timing import time_method
 from oitbench.method.declaration import Method
 from oitbench.plugins import Collection
+from oitbench.results.schema import EXACT
 
 SCENE = "smoke_and_glass[detail=0.02]"
 """Particles, refraction, diffusion and shadows."""
@@ -61,7 +62,7 @@ def work(bench: Bench, uploaded: UploadedScene, method: Method, frames: int, cel
         for number in range(frames):
             draw(frame, clock, number)
     for _ in range(cells):
-        record = bench.run(Cell(uploaded.scene.name, method.label, SIZE), path_traced=False)
+        record = bench.run(Cell(uploaded.scene.name, method.label, SIZE, truths=(EXACT,)))
         assert record.status == "ok", record.reason
 
 

@@ -62,17 +62,17 @@ def test_json_output_has_every_finding(call: Call, before: Path) -> None:
     ("content", "message"),
     [
         ("", "is no baseline"),
-        ("[1]", "is no baseline of format 2"),
-        ('{"format": 1, "renderer": "a", "cells": {}}', "is no baseline of format 2"),
-        ('{"format": 2, "cells": {}}', "lacks its renderer or its cells"),
-        ('{"format": 2, "renderer": "a", "cells": []}', "lacks its renderer or its cells"),
-        ('{"format": 2, "renderer": "a", "cells": {"x": {}}}', "the cell x is damaged"),
+        ("[1]", "is no baseline of format 3"),
+        ('{"format": 2, "renderer": "a", "cells": {}}', "is no baseline of format 3"),
+        ('{"format": 3, "cells": {}}', "lacks its renderer or its cells"),
+        ('{"format": 3, "renderer": "a", "cells": []}', "lacks its renderer or its cells"),
+        ('{"format": 3, "renderer": "a", "cells": {"x": {}}}', "the cell x is damaged"),
         (
-            '{"format": 2, "renderer": "a", "cells": {"x": {"status": "ok", "exact.f": "1"}}}',
+            '{"format": 3, "renderer": "a", "cells": {"x": {"status": "ok", "exact.f": "1"}}}',
             "the cell x is damaged",
         ),
         (
-            '{"format": 2, "renderer": "a", "cells": {"x": {"status": "ok", "exact.f": NaN}}}',
+            '{"format": 3, "renderer": "a", "cells": {"x": {"status": "ok", "exact.f": NaN}}}',
             "NaN is not a number",
         ),
     ],
@@ -92,7 +92,10 @@ def test_paths_that_cannot_be_used_are_refused(call: Call, before: Path) -> None
         (("compare", before, "no/such/file"), "no/such/file cannot be read"),
         (("compare", empty, before), "holds no cells.jsonl"),
         (("baseline", "save", empty), "holds no cells.jsonl"),
-        (("baseline", "save", before, "-o", empty / "no" / "b.json"), "cannot be written"),
+        (
+            ("baseline", "save", before, "-o", before / "cells.jsonl" / "b.json"),
+            "cannot be written",
+        ),
         (("baseline", "check", before, "--baseline", empty / "b.json"), "cannot be read"),
         (("baseline", "sav", before), "sav"),
     ):

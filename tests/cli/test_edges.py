@@ -70,8 +70,8 @@ def test_without_a_home_folder_references_are_not_cached(
     monkeypatch.delenv("XDG_CACHE_HOME", raising=False)
     monkeypatch.setattr(Path, "home", homeless)
     scene = Collection.load().build_scene("glass_bars")
-    found = lookup.find_or_render(scene, "glass_bars", (4, 4), 1, [])
-    assert found.message == "not cached: there is no home folder; set XDG_CACHE_HOME"
+    _, message = lookup.find_or_render(scene, "glass_bars", (4, 4), 1, [])
+    assert message == "not cached: there is no home folder; set XDG_CACHE_HOME"
 
 
 @pytest.mark.parametrize(

@@ -1,4 +1,4 @@
-"""`oitbench run`: refused input, and machines without a driver."""
+"""`oitbench run`: refused input, machines without a driver, and how a run ends."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from oitbench.results.store import Store
 from tests.cli.helpers import NO_EGL, SMALL, Call, spawn
 
 
@@ -53,3 +54,48 @@ def test_a_folder_that_cannot_be_written_to_is_named(call: Call) -> None:
     answer = call("run", "--scene", "layer_stack", "--out", "/proc/results", *SMALL)
     assert answer.code == 2
     assert "/proc/results cannot be written to" in answer.err
+
+
+def test_the_end_of_a_run_names_cells_reasons_and_the_next_command(
+    call: Call, plugins: Path, tmp_path: Path
+) -> None:
+    out = tmp_path / "out"
+    chosen = ["--scene", "calm", "--method", "weighted_sum", "--method", "unstable"]
+    arguments = ["--preset", "guard", "--collection", plugins, *SMALL, "--out", out, *chosen]
+    answer = call("run", *arguments)
+    assert answer.code == 1, answer
+    lines = answer.out.splitlines()
+    row = next(line.split() for line in lines if line.split()[:1] == ["unstable"])
+    assert row[1:4] == ["calm", "unstable", "requested"]
+    assert row[4] == "pixels:"
+    assert lines[-2].startswith(f"{out}: 1 ok, 1 unstable; 0 kept from before")
+    assert lines[-1] == f"next: oitbench report {out}"
+    # An unstable cell is finished: it is kept, and named again.
+    answer = call("run", *arguments)
+    assert answer.code == 1, answer
+    assert "nothing to do; 2 kept from before" in answer.out
+    assert "pixels:" in answer.out
+    # A failed one does not stop the run, and is tried again by the same command.
+    answer = call("run", "--force", "--method", "broken", *arguments)
+    assert answer.code == 1, answer
+    assert f"{out}: 1 failed, 1 ok, 1 unstable" in answer.out
+    again = next(line for line in answer.out.splitlines() if line.startswith("failed cells again"))
+    command = (
+        f"failed cells again: oitbench run --method broken --preset guard --collection {plugins}"
+    )
+    assert again.startswith(command)
+
+
+def test_a_run_whose_cells_are_well_exits_with_0(call: Call, tmp_path: Path) -> None:
+    arguments = ("--preset", "guard", *SMALL, "--out", tmp_path / "out")
+    chosen = ("--scene", "layer_stack[count=3]", "--method", "weighted_sum")
+    answer = call("run", *arguments, *chosen)
+    assert answer.code == 0, answer
+    assert answer.err == ""
+    assert len(answer.out.splitlines()) == 2
+
+
+def test_a_folder_that_another_run_has_is_refused_in_one_line(call: Call, tmp_path: Path) -> None:
+    arguments = ("--preset", "guard", *SMALL, "--scene", "layer_stack", "--method", "weighted_sum")
+    with Store.open(tmp_path):
+        call("run", *arguments, "--out", tmp_path).assert_refused("is in use by process")

@@ -91,13 +91,16 @@ def bench(plugins: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Ite
 def attempt(bench: Bench, cell: Cell, call: int) -> tuple[str, int]:
     """Run a cell; return its status and the number of objects that it tried to create."""
     with failing(bench.device, call) as calls:
-        record = bench.run(cell, path_traced=False)
+        record = bench.run(cell)
     bench.leave_scene()
     return record.status, len(calls)
 
 
 def test_no_object_is_left_when_a_creation_fails(bench: Bench) -> None:
-    cells = [Cell(scene, method, (16, 16), 1, permutations=1) for scene, method in VICTIMS]
+    cells = [
+        Cell(scene, method, (16, 16), 1, permutations=1, truths=("exact",))
+        for scene, method in VICTIMS
+    ]
     whole = [attempt(bench, cell, -1) for cell in cells]
     assert [status for status, _ in whole] == ["ok"] * len(cells)
     before = live_objects()
@@ -111,15 +114,20 @@ def test_no_object_is_left_when_a_creation_fails(bench: Bench) -> None:
 
 
 def test_no_object_is_left_of_methods_and_scenes_that_fail(bench: Bench) -> None:
-    cells = [Cell("calm", method, (8, 8), 1) for method in ("broken", "demanding", "unstable")]
-    cells += [Cell(scene, "alpha_blend", (8, 8), 1) for scene in ("raiser", "poisoned")]
+    cells = [
+        Cell("calm", method, (8, 8), 1, truths=("exact",))
+        for method in ("broken", "demanding", "unstable")
+    ]
+    cells += [
+        Cell(scene, "alpha_blend", (8, 8), 1, truths=("exact",)) for scene in ("raiser", "poisoned")
+    ]
     expected = ["failed", "failed", "unstable", "failed", "failed"]
-    assert [bench.run(cell, False).status for cell in cells] == expected
+    assert [bench.run(cell).status for cell in cells] == expected
     bench.leave_scene()
     before = live_objects()
     for _ in range(CELLS // len(cells)):
         for cell in cells:
-            bench.run(cell, False)
+            bench.run(cell)
             bench.leave_scene()
             # moderngl keeps the program of a failed compilation.
             lost = difference(live_objects(), before).keys() - {"Program", "Shader"}

@@ -9,8 +9,9 @@ import OpenEXR
 import pytest
 
 from oitbench.atomic import replacing
-from oitbench.errors import UsageError
+from oitbench.errors import StorageError, UsageError
 from oitbench.image import files as images
+from tests.damage import largest_file
 from tests.image.helpers import constant
 
 
@@ -48,13 +49,11 @@ def test_missing_and_damaged_images_are_refused(tmp_path: Path, picture: images.
 
 def test_flip_maps_keep_values_and_rows(tmp_path: Path, picture: images.Image) -> None:
     ldr, hdr = picture[..., 0], picture[::-1, ::2, 1].repeat(2, axis=1)
-    path = tmp_path / "a" / "b.exr"
-    for _ in range(2):  # an existing file is replaced
-        images.write_flip_maps(path, ldr, hdr)
+    path = tmp_path / "b.exr"
+    images.write_channels(path, images.flip_channels(ldr, hdr))
     for stored, errors in zip(images.read_flip_maps(path), (ldr, hdr), strict=True):
         assert stored.dtype == np.float32
         np.testing.assert_array_equal(stored, errors.astype(np.float16).astype(np.float32))
-    assert [item.name for item in path.parent.iterdir()] == ["b.exr"]
     with OpenEXR.File(str(path)) as file:
         stored_types = {name: channel.pixels.dtype for name, channel in file.channels().items()}
     assert stored_types == {"ldr": np.float16, "hdr": np.float16}
@@ -64,14 +63,25 @@ def test_flip_maps_and_images_are_distinguished(tmp_path: Path, picture: images.
     images.write_exr(tmp_path / "image.exr", picture)
     with pytest.raises(UsageError, match=r"image\.exr has no channel ldr and hdr"):
         images.read_flip_maps(tmp_path / "image.exr")
-    images.write_flip_maps(tmp_path / "maps.exr", picture[..., 0], picture[..., 1])
+    maps = images.flip_channels(picture[..., 0], picture[..., 1])
+    images.write_channels(tmp_path / "maps.exr", maps)
     with pytest.raises(UsageError, match=r"has the channels .*, but RGB is needed"):
         images.read_exr(tmp_path / "maps.exr")
     with pytest.raises(UsageError, match="there is no such image"):
         images.read_flip_maps(tmp_path / "none.exr")
     for pair in ((picture, picture), (picture[..., 0], picture[1:, :, 0])):
         with pytest.raises(ValueError, match=r"both must be \(h, w\)"):
-            images.write_flip_maps(tmp_path / "maps.exr", *pair)
+            images.flip_channels(*pair)
+
+
+def test_a_full_disk_keeps_the_old_image(tmp_path: Path, picture: images.Image) -> None:
+    path = tmp_path / "a.exr"
+    images.write_exr(path, picture)
+    for size in range(1, path.stat().st_size, 37):
+        with largest_file(size), pytest.raises(StorageError, match="cannot be written"):
+            images.write_exr(path, picture * np.float32(2))
+        assert [item.name for item in tmp_path.iterdir()] == ["a.exr"]
+    np.testing.assert_array_equal(images.read_exr(path), picture)
 
 
 def test_a_failed_write_keeps_the_old_file_and_leaves_no_partial_one(tmp_path: Path) -> None:

@@ -25,7 +25,7 @@ from oitbench.measure import timing
 from oitbench.measure.rounds import Schedule
 from oitbench.measure.timing import Timings
 from oitbench.plugins import Collection
-from oitbench.results.schema import EffectNames, Nonfinite, Outcome, Record
+from oitbench.results.schema import EXACT, EffectNames, Nonfinite, Outcome, Record
 from oitbench.results.store import CELLS, read_cells
 
 SIZE = (32, 32)
@@ -90,9 +90,9 @@ def test_a_record_has_all_facts_for_reports(finished: Path) -> None:
     assert [part.name for part in record.time.passes] == parts
     assert record.time.block.cpu == machine.processor()
     assert record.time.block.foreign is not None
-    assert read_exr(finished / outcome.images["color"]).shape == (32, 32, 3)
-    assert (finished / outcome.images["exact"]).is_file()
-    ldr, hdr = read_flip_maps(finished / outcome.images["flip_exact"])
+    assert read_exr(finished / outcome.images["color"].path).shape == (32, 32, 3)
+    assert (finished / outcome.images["exact"].path).is_file()
+    ldr, hdr = read_flip_maps(finished / outcome.images["flip_exact"].path)
     assert ldr.mean() == pytest.approx(record.metric("exact", FLIP_LDR), abs=1e-3)
     assert hdr.mean() == pytest.approx(record.metric("exact", FLIP_HDR), abs=1e-3)
 
@@ -238,11 +238,11 @@ def test_cells_are_timed_with_their_effects(
 
     monkeypatch.setattr(timing, "measure", measure)
     cells = [
-        Cell("shadow_trio[detail=0.05]", "sorted_over", (8, 8), effects=effects)
+        Cell("shadow_trio[detail=0.05]", "sorted_over", (8, 8), effects=effects, truths=(EXACT,))
         for effects in ("requested", "-translucent_shadows")
     ]
     with Bench(Collection.load(), tmp_path) as bench:
-        scored = [ScoredCell(cell, outcome_of(bench.run(cell, False)).plan) for cell in cells]
+        scored = [ScoredCell(cell, outcome_of(bench.run(cell)).plan) for cell in cells]
         found = bench.time(scored, Schedule(rounds=1, budget=0.0))
     assert found == [Timing(reason="not now")] * 2
     shadows = [names(effects & SHADING) for effects in timed]

@@ -16,7 +16,7 @@ from oitbench.matrix.cell import Cell
 from oitbench.matrix.timed_cells import ScoredCell, Timing, time_cells
 from oitbench.measure.rounds import Schedule
 from oitbench.plugins import Collection
-from oitbench.results.schema import Record
+from oitbench.results.schema import EXACT, Record
 from tests.helpers import collection, method, write_method
 
 METHODS = (
@@ -57,7 +57,8 @@ def time_all(device: Device, label: str, names: Sequence[str]) -> dict[str, Timi
             chosen = method(name)
             with Frame(uploaded, chosen, fine, scene.effects & chosen.shows) as scored:
                 cells.append(ScoredCell(Cell(label, name, SIZE), scored.plan.digest))
-        return dict(zip(names, time_cells(device, collection(), cells, ONCE), strict=True))
+        timings = time_cells(device, collection(), scene, cells, ONCE)
+        return dict(zip(names, timings, strict=True))
 
 
 @pytest.mark.parametrize(
@@ -92,8 +93,11 @@ def test_a_timed_frame_that_lacks_a_pass_is_suspect(
 def timed(plugins: Collection, folder: Path, *names: str) -> list[Timing]:
     """Score the methods in one scene, and time them."""
     with Bench(plugins, folder) as bench:
-        cells = [Cell("layer_stack[count=3]", name, (12, 8), permutations=1) for name in names]
-        records = [bench.run(cell, path_traced=False) for cell in cells]
+        cells = [
+            Cell("layer_stack[count=3]", name, (12, 8), permutations=1, truths=(EXACT,))
+            for name in names
+        ]
+        records = [bench.run(cell) for cell in cells]
         assert [record.reason for record in records] == [""] * len(records)
         plans = [record.outcome.plan for record in records if record.outcome is not None]
         scored = [ScoredCell(cell, plan) for cell, plan in zip(cells, plans, strict=True)]
@@ -133,8 +137,24 @@ def test_a_method_with_other_passes_while_it_is_timed_is_suspect(tmp_path: Path)
 def test_a_method_with_other_passes_while_it_is_measured_fails(
     honest_calls: int, reason: str, tmp_path: Path
 ) -> None:
-    cell = Cell("layer_stack[count=3]", "cheat", (12, 8), permutations=1)
+    cell = Cell("layer_stack[count=3]", "cheat", (12, 8), permutations=1, truths=(EXACT,))
     with Bench(cheat(tmp_path, honest_calls), tmp_path / "out") as bench:
-        record: Record = bench.run(cell, path_traced=False)
+        record: Record = bench.run(cell)
     assert record.status == "failed"
     assert reason in record.reason
+
+
+def test_a_cell_whose_method_changed_since_it_was_scored_gets_no_time(tmp_path: Path) -> None:
+    plugins = cheat(tmp_path, honest_calls=99)
+    cell = Cell("layer_stack[count=3]", "cheat", (12, 8), permutations=1, truths=(EXACT,))
+    with Bench(plugins, tmp_path / "out") as bench:
+        record = bench.run(cell)
+        assert record.outcome is not None
+        scored = [ScoredCell(cell, record.outcome.plan, record.fingerprints)]
+        assert bench.time(scored, ONCE)[0].time is not None
+        with (tmp_path / "cheat" / "draw.glsl").open("a") as file:
+            file.write("float more() { return 1.0; }\n")
+        (timing,) = bench.time(scored, ONCE)
+        # A later run would not believe that cell either.
+        assert bench.run(cell).reason == "cheat: its files changed during the run; run again"
+    assert timing == Timing(reason="its files changed during the run; run again")

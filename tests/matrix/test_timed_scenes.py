@@ -11,12 +11,15 @@ from oitbench.errors import CapabilityError
 from oitbench.matrix.cell import Cell
 from oitbench.matrix.timed_cells import ScoredCell, Timing
 from oitbench.matrix.timed_scenes import Pair, due_scenes, time_scene
+from oitbench.measure.rounds import Schedule
 from oitbench.results.schema import Record
 from oitbench.results.times import Processor
 from oitbench.workers.process import WorkerError
 from tests.made_up import failed, record, timed
 
 NEW = timed(5.0)
+NINE = Schedule(9, 4.0)
+"""The schedule of all made-up times."""
 CPU = Processor("abacus")
 """The processor of all made-up times."""
 
@@ -104,13 +107,16 @@ def test_an_error_of_the_scene_is_the_reason_of_all_its_cells() -> None:
 )
 def test_a_scene_is_due_if_a_finished_cell_has_no_time(changed: dict[str, Any], due: bool) -> None:
     pairs = [pair("a"), pair("b", **changed), pair("c", "steel")]
-    found = due_scenes(pairs, fresh=[], cpu=CPU)
+    found = due_scenes(pairs, [], CPU, NINE)
     assert found == ([pairs[:2]] if due else [])
 
 
 def test_fresh_cells_and_other_processors_make_a_scene_due() -> None:
     pairs = [pair("a"), pair("b"), pair("c", "steel")]
-    assert due_scenes(pairs, [pairs[1][0]], CPU) == [pairs[:2]]
-    assert due_scenes(pairs, [], Processor("quantum")) == [pairs[:2], pairs[2:]]
-    assert due_scenes(pairs, [], None) == []
-    assert due_scenes([(pairs[0][0], failed("a"))], [pairs[0][0]], CPU) == []
+    assert due_scenes(pairs, [pairs[1][0]], CPU, NINE) == [pairs[:2]]
+    assert due_scenes(pairs, [], Processor("quantum"), NINE) == [pairs[:2], pairs[2:]]
+    assert due_scenes(pairs, [], None, NINE) == []
+    # More rounds, or a larger budget, need new times.
+    for other in (Schedule(15, 4.0), Schedule(9, 60.0)):
+        assert due_scenes(pairs, [], CPU, other) == [pairs[:2], pairs[2:]]
+    assert due_scenes([(pairs[0][0], failed("a"))], [pairs[0][0]], CPU, NINE) == []

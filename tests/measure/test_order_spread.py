@@ -12,6 +12,7 @@ from oitbench.matrix.bench import Bench
 from oitbench.matrix.cell import Cell
 from oitbench.matrix.plan import PRESETS, plan_matrix
 from oitbench.plugins import Collection
+from oitbench.results.schema import EXACT
 
 
 @pytest.fixture
@@ -21,8 +22,8 @@ def bench(tmp_path: Path) -> Iterator[Bench]:
 
 
 def spread(bench: Bench, method: str, permutations: int) -> tuple[float | None, float | None]:
-    cell = Cell("layer_stack", method, (32, 24), ssaa=1, permutations=permutations)
-    record = bench.run(cell, path_traced=False)
+    cell = Cell("layer_stack", method, (32, 24), ssaa=1, permutations=permutations, truths=(EXACT,))
+    record = bench.run(cell)
     names = (metrics.ORDER_SPREAD_MAX, metrics.ORDER_SPREAD_MEAN)
     most, mean = (record.metric("exact", name) for name in names)
     return most, mean

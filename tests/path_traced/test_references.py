@@ -5,24 +5,28 @@ from __future__ import annotations
 import dataclasses
 import json
 from pathlib import Path
-from typing import Any
 
+import msgspec
 import numpy as np
 import pytest
 
-from oitbench.errors import UsageError
+from oitbench.errors import SceneError, StorageError, UsageError
+from oitbench.fingerprints.scene import scene_fingerprint
+from oitbench.image import stored
 from oitbench.path_traced.references import lookup, rendering, storage
-from oitbench.path_traced.references.check import check
-from oitbench.path_traced.references.fingerprint import fingerprint
-from oitbench.path_traced.references.storage import Reference, ReferenceInfo
+from oitbench.path_traced.references.check import check, failure_folder
+from oitbench.path_traced.references.storage import Reference, Rendering
 from oitbench.path_traced.references.z_test import z_test
 from oitbench.path_traced.trace.render import Estimate
+from oitbench.path_traced.version import TRACER
 from oitbench.places import own_folder
 from oitbench.scene import Camera, Material, Mesh, Object, Scene, Texture
+from tests.damage import cut, flip_bit, largest_file
 from tests.path_traced.agreement import needs_mitsuba
 
 SIZE = (12, 8)
 LABEL = "window[seed=2]"
+KEY = "window[seed=2]@12x8"
 
 
 def _scene(coverage: float | Texture = 0.5, exposure: float = 0.0) -> Scene:
@@ -40,21 +44,18 @@ def _scene(coverage: float | Texture = 0.5, exposure: float = 0.0) -> Scene:
 
 def _reference(scene: Scene, seed: int = 7) -> Reference:
     random = np.random.default_rng(seed)
-    info = ReferenceInfo(
-        scene=LABEL,
-        size=SIZE,
-        ssaa=2,
-        spp=16,
-        seed=seed,
-        mitsuba="3.9.1",
-        fingerprint=fingerprint(scene),
-        noise_floor={"flip_ldr@67ppd": 0.001, "rmse_lin": None},
-    )
     return Reference(
-        info,
+        Rendering(LABEL, SIZE, 2, 16, seed, TRACER, "3.9.1", scene_fingerprint(scene)),
+        {"flip_ldr@67ppd": 0.001, "rmse_lin": None},
         mean=random.random((SIZE[1], SIZE[0], 3)).astype(np.float32),
         variance=(1e-9 * random.random((SIZE[1], SIZE[0], 3))).astype(np.float32),
     )
+
+
+def _read(folder: Path) -> Reference:
+    found = storage.read(folder, LABEL, SIZE)
+    assert found is not None
+    return found
 
 
 def test_a_stored_reference_can_be_read(tmp_path: Path) -> None:
@@ -62,22 +63,28 @@ def test_a_stored_reference_can_be_read(tmp_path: Path) -> None:
     reference = _reference(scene)
     storage.save(tmp_path / "reference", reference)
     found = lookup.find(scene, LABEL, SIZE, 2, [tmp_path])
-    assert found is not None
-    assert found.info == reference.info
-    assert not found.stale
-    np.testing.assert_allclose(found.mean, reference.mean, rtol=2**-11)
-    np.testing.assert_array_equal(found.variance, reference.variance)
+    assert found.message == ""
+    assert found.reference is not None
+    assert found.reference.rendering == reference.rendering
+    assert found.reference.noise_floor == reference.noise_floor
+    expected = storage.stored_precision(reference)
+    np.testing.assert_array_equal(found.reference.mean, expected.mean)
+    np.testing.assert_allclose(expected.mean, reference.mean, rtol=2**-11)
+    np.testing.assert_array_equal(found.reference.variance, reference.variance)
 
 
-def test_the_manifests_of_the_collection_can_be_read_and_written_unchanged(tmp_path: Path) -> None:
+def test_the_references_of_the_collection_are_intact_and_written_unchanged(tmp_path: Path) -> None:
     shipped = own_folder() / storage.FOLDER
     infos = storage.read_manifest(shipped)
     assert infos
     for info in infos.values():
-        assert (shipped / f"{info.key}.mean.exr").is_file()
+        for image in (info.mean, info.variance):
+            stored.verify(shipped, image)
+    named = {image.path for info in infos.values() for image in (info.mean, info.variance)}
+    assert {path.name for path in shipped.glob("*.exr")} == named
     (tmp_path / storage.MANIFEST).write_bytes((shipped / storage.MANIFEST).read_bytes())
-    info = next(iter(infos.values()))
-    reference = storage.read(shipped, info.scene, info.size)
+    known = next(iter(infos.values())).rendering
+    reference = storage.read(shipped, known.scene, known.size)
     assert reference is not None
     storage.save(tmp_path, reference)
     for path in tmp_path.iterdir():
@@ -88,77 +95,202 @@ def test_a_radiance_beyond_half_floats_is_kept(tmp_path: Path) -> None:
     reference = _reference(_scene())
     bright = dataclasses.replace(reference, mean=reference.mean * np.float32(1e6))
     storage.save(tmp_path, bright)
-    found = storage.read(tmp_path, LABEL, SIZE)
-    assert found is not None
-    np.testing.assert_array_equal(found.mean, bright.mean)
+    np.testing.assert_array_equal(_read(tmp_path).mean, bright.mean)
+    np.testing.assert_array_equal(storage.stored_precision(bright).mean, bright.mean)
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "message"),
+    [
+        ("mean", np.nan, "its mean holds NaN or infinity"),
+        ("mean", np.inf, "its mean holds NaN or infinity"),
+        ("variance", np.nan, "its variance holds NaN or infinity"),
+        ("variance", -1e-12, "its variance is negative"),
+    ],
+)
+def test_impossible_values_are_refused(name: str, value: float, message: str) -> None:
+    reference = _reference(_scene())
+    image = getattr(reference, name).copy()
+    image[3, 4, 1] = value
+    with pytest.raises(SceneError, match=message):
+        dataclasses.replace(reference, **{name: image})
+
+
+def test_an_image_of_another_size_is_refused() -> None:
+    reference = _reference(_scene())
+    with pytest.raises(SceneError, match="its mean is not 12x8 pixels"):
+        dataclasses.replace(reference, mean=reference.mean[:-1])
 
 
 def test_another_label_size_or_grid_is_not_found(tmp_path: Path) -> None:
     scene = _scene()
     storage.save(tmp_path / "reference", _reference(scene))
-    assert lookup.find(scene, "window", SIZE, 2, [tmp_path]) is None
-    assert lookup.find(scene, LABEL, (8, 12), 2, [tmp_path]) is None
-    assert lookup.find(scene, LABEL, SIZE, 1, [tmp_path]) is None
-    assert lookup.find(scene, LABEL, SIZE, 2, [tmp_path / "none"]) is None
+    nothing = lookup.Found(None)
+    assert lookup.find(scene, "window", SIZE, 2, [tmp_path]) == nothing
+    assert lookup.find(scene, LABEL, (8, 12), 2, [tmp_path]) == nothing
+    assert lookup.find(scene, LABEL, SIZE, 1, [tmp_path]) == nothing
+    assert lookup.find(scene, LABEL, SIZE, 2, [tmp_path / "none"]) == nothing
 
 
-def test_a_changed_scene_makes_its_reference_stale(tmp_path: Path) -> None:
+@pytest.mark.parametrize("changed", ["scene", "tracer"])
+def test_a_stale_reference_is_reported_and_not_used(
+    changed: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     storage.save(tmp_path / "reference", _reference(_scene()))
-    found = lookup.find(_scene(coverage=0.501), LABEL, SIZE, 2, [tmp_path])
-    assert found is not None
-    assert found.stale
-    assert "has changed" in found.message
+    scene = _scene(coverage=0.5 + 1e-7 if changed == "scene" else 0.5)
+    if changed == "tracer":
+        monkeypatch.setattr(lookup, "TRACER", TRACER + 1)
+    found = lookup.find(scene, LABEL, SIZE, 2, [tmp_path])
+    assert found.reference is None
+    part = {"scene": "the scene", "tracer": "the path tracer"}[changed]
+    assert f"{KEY}: {part} has changed since" in found.message
+    assert f"run 'oitbench reference {LABEL}'" in found.message
+    assert found.stale is not None
+    assert found.stale[0] == tmp_path / "reference"
 
 
-def test_the_fingerprint_depends_on_every_value_but_the_name() -> None:
-    scene = _scene()
-    mesh = scene.objects[0].mesh
-    moved = mesh.positions.copy()
-    moved[2, 1] += np.float32(1e-4)
-    other = dataclasses.replace(scene.objects[0], mesh=dataclasses.replace(mesh, positions=moved))
-    texels = np.full((2, 2), 0.5, dtype=np.float32)
-    changed = [
-        _scene(coverage=0.6),
-        _scene(exposure=1.0),
-        _scene(coverage=Texture(texels)),
-        _scene(coverage=Texture(texels.repeat(2, axis=0))),
-        dataclasses.replace(scene, objects=(other,)),
-        dataclasses.replace(scene, camera=Camera((0.0, 0.0, 4.0), near=0.2)),
-    ]
-    digests = [fingerprint(item) for item in (scene, *changed)]
-    assert len(set(digests)) == len(digests)
-    assert fingerprint(dataclasses.replace(scene, name="other")) == digests[0]
-    assert fingerprint(_scene(coverage=0.5 + 1e-9)) == digests[0]
+def test_a_stale_reference_can_be_adopted(tmp_path: Path) -> None:
+    before, now = _scene(), _scene(coverage=0.501)
+    folder = tmp_path / "reference"
+    storage.save(folder, _reference(before))
+    images = {path.name: path.read_bytes() for path in folder.glob("*.exr")}
+    found = lookup.find(now, LABEL, SIZE, 2, [tmp_path])
+    assert found.stale is not None
+    lookup.adopt(now, *found.stale)
+    assert lookup.find(now, LABEL, SIZE, 2, [tmp_path]).message == ""
+    assert lookup.find(before, LABEL, SIZE, 2, [tmp_path]).reference is None
+    assert {path.name: path.read_bytes() for path in folder.glob("*.exr")} == images
+    with pytest.raises(UsageError, match="entry other@12x8 is missing or damaged"):
+        storage.adopt(folder, "other@12x8", found.stale[1].rendering)
 
 
-def test_a_damaged_manifest_is_reported_with_the_fix(tmp_path: Path) -> None:
-    scene = _scene()
-    storage.save(tmp_path / "reference", _reference(scene))
+def test_a_damaged_reference_costs_no_other_and_names_the_fix(tmp_path: Path) -> None:
+    folder = tmp_path / "reference"
+    storage.save(folder, _reference(_scene()))
+    path = folder / storage.MANIFEST
+    whole = json.loads(path.read_text())
+    del whole["references"][KEY]["rendering"]["spp"]
+    path.write_text(json.dumps(whole))
+    pattern = r"manifest\.json: entry window\[seed=2\]@12x8 is damaged; restore it, or run 'oitb"
+    with pytest.raises(UsageError, match=pattern):
+        storage.read(folder, LABEL, SIZE)
+    assert storage.read_manifest(folder) == {}
+    found = lookup.find(_scene(), LABEL, SIZE, 2, [tmp_path])
+    assert found.reference is None
+    assert "is damaged" in found.message
+    # The advice works: rendering it again repairs the entry.
+    storage.save(folder, _reference(_scene()))
+    assert lookup.find(_scene(), LABEL, SIZE, 2, [tmp_path]).message == ""
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("{", "damaged; restore it, or delete it"),
+        ("[]", "damaged; restore it, or delete it"),
+        ("[" * 100_000, "damaged; restore it, or delete it"),
+        ('{"version": 99, "references": {}}', "is of version 99"),
+    ],
+)
+def test_a_damaged_manifest_is_reported_with_the_fix(
+    text: str, message: str, tmp_path: Path
+) -> None:
     path = tmp_path / "reference" / storage.MANIFEST
-    whole = path.read_text()
-    path.write_text(whole[: len(whole) // 2])
-    with pytest.raises(UsageError, match="damaged; restore it, or delete it"):
-        lookup.find(scene, LABEL, SIZE, 2, [tmp_path])
-    path.write_text(json.dumps({"version": 99, "references": {}}))
-    with pytest.raises(UsageError, match="version 99"):
+    storage.save(path.parent, _reference(_scene()))
+    path.write_text(text)
+    with pytest.raises(UsageError, match=message):
         storage.read_manifest(path.parent)
-    manifest = json.loads(whole)
-    del manifest["references"][storage.reference_key(LABEL, SIZE)]["spp"]
-    path.write_text(json.dumps(manifest))
-    with pytest.raises(UsageError, match=r"window\[seed=2\]@12x8 is damaged; delete the entry"):
-        storage.read(path.parent, LABEL, SIZE)
-    manifest["references"] = {"other@12x8": json.loads(whole)["references"]["window[seed=2]@12x8"]}
-    path.write_text(json.dumps(manifest))
-    with pytest.raises(UsageError, match="other@12x8 is damaged"):
-        storage.read_manifest(path.parent)
+    assert message in lookup.find(_scene(), LABEL, SIZE, 2, [tmp_path]).message
+    # A damaged manifest is never replaced: it may hold entries that somebody can restore.
+    with pytest.raises(UsageError, match=message):
+        storage.save(path.parent, _reference(_scene()))
+    assert path.read_text() == text
 
 
-def test_a_missing_image_is_an_error(tmp_path: Path) -> None:
+def test_every_flipped_bit_of_a_manifest_is_noticed(tmp_path: Path) -> None:
     reference = _reference(_scene())
     storage.save(tmp_path, reference)
-    (tmp_path / f"{reference.info.key}.mean.exr").unlink()
-    with pytest.raises(UsageError, match="no such image"):
-        storage.read(tmp_path, LABEL, SIZE)
+    path = tmp_path / storage.MANIFEST
+    whole = path.read_bytes()
+    for number in range(0, 8 * len(whole), 7):
+        flip_bit(path, number)
+        try:
+            found = storage.read(tmp_path, LABEL, SIZE)
+        except UsageError:
+            found = None
+        # A flipped bit may still leave the same values, as in a blank.
+        assert found is None or (found.rendering, found.noise_floor) == (
+            reference.rendering,
+            reference.noise_floor,
+        )
+        path.write_bytes(whole)
+
+
+def _flip_middle(path: Path) -> None:
+    flip_bit(path, 4 * path.stat().st_size)
+
+
+def _cut_end(path: Path) -> None:
+    cut(path, 1)
+
+
+def test_damaged_and_missing_images_are_errors(tmp_path: Path) -> None:
+    storage.save(tmp_path, _reference(_scene()))
+    (info,) = storage.read_manifest(tmp_path).values()
+    for image in (info.mean, info.variance):
+        path = tmp_path / image.path
+        whole = path.read_bytes()
+        for damage in (_flip_middle, _cut_end):
+            damage(path)
+            with pytest.raises(UsageError, match=r"exr is damaged; restore it, or run 'oitbench"):
+                _read(tmp_path)
+            path.write_bytes(whole)
+        path.unlink()
+        with pytest.raises(UsageError, match=r"exr cannot be read .*; restore it, or run"):
+            _read(tmp_path)
+        path.write_bytes(whole)
+    assert _read(tmp_path).noise_floor == info.noise_floor
+
+
+def test_paths_that_leave_the_folder_are_damage(tmp_path: Path) -> None:
+    storage.save(tmp_path / "reference", _reference(_scene()))
+    path = tmp_path / "reference" / storage.MANIFEST
+    content = json.loads(path.read_text())
+    (info,) = storage.read_manifest(path.parent).values()
+    for wrong in ("../a.exr", "/etc/a.exr", "a/../../b.exr"):
+        moved = msgspec.structs.replace(info, mean=stored.StoredImage(wrong, "0" * 64, 1))
+        content["references"][KEY] = storage._entry(moved)
+        path.write_text(json.dumps(content))
+        with pytest.raises(UsageError, match="is damaged"):
+            storage.read(path.parent, LABEL, SIZE)
+
+
+def test_a_label_with_a_path_stays_in_its_folder(tmp_path: Path) -> None:
+    label = "text[path=../../x/y]"
+    made = _reference(_scene())
+    named = msgspec.structs.replace(made.rendering, scene=label)
+    storage.save(tmp_path / "reference", dataclasses.replace(made, rendering=named))
+    assert [path.name for path in tmp_path.iterdir()] == ["reference"]
+    assert all(path.is_file() for path in (tmp_path / "reference").iterdir())
+    assert storage.read(tmp_path / "reference", label, SIZE) is not None
+
+
+def test_a_full_disk_keeps_the_old_reference_whole(tmp_path: Path) -> None:
+    old, new = _reference(_scene()), _reference(_scene(coverage=0.4), seed=8)
+    storage.save(tmp_path, old)
+    whole = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
+    sizes = sorted(len(content) for content in whole.values())
+    for limit in (0, *(size - 1 for size in sizes)):
+        with largest_file(limit), pytest.raises(StorageError, match="free some space"):
+            storage.save(tmp_path, new)
+        back = _read(tmp_path)
+        assert back.rendering == old.rendering
+        np.testing.assert_array_equal(back.variance, old.variance)
+    storage.save(tmp_path, new)
+    assert _read(tmp_path).rendering == new.rendering
+    names = {path.name for path in tmp_path.iterdir()}
+    assert len(names) == 3
+    assert names & whole.keys() == {storage.MANIFEST}
 
 
 def test_z_test_passes_noise_and_fails_a_shift() -> None:
@@ -202,7 +334,7 @@ def test_the_noise_floor_is_the_error_between_the_halves() -> None:
 
 
 @needs_mitsuba
-def test_a_reference_is_rendered_once_and_a_stale_one_is_not_used(
+def test_a_reference_is_rendered_once_and_every_method_gets_the_stored_one(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
@@ -211,27 +343,50 @@ def test_a_reference_is_rendered_once_and_a_stale_one_is_not_used(
     storage.save(shipped / "reference", _reference(_scene(coverage=0.4)))
     rendered: list[str] = []
 
-    def render_reference(scene: Scene, label: str, *rest: Any) -> Reference:
-        rendered.append(label)
-        return rendering.render_reference(scene, label, *rest)
+    def render_reference(scene: Scene, wanted: Rendering) -> Reference:
+        rendered.append(wanted.key)
+        return rendering.render_reference(scene, wanted)
 
     monkeypatch.setattr(lookup, "render_reference", render_reference)
 
-    def obtain(*folders: Path) -> Reference:
+    def obtain(scene: Scene, *folders: Path) -> tuple[Reference, str]:
         return lookup.find_or_render(scene, LABEL, SIZE, 2, folders)
 
-    first = obtain(shipped)
-    assert rendered == [LABEL]
-    assert not first.stale
-    assert "has changed" in first.message
-    second = obtain(shipped)
-    third = obtain()
-    assert rendered == [LABEL]
-    assert (second.message, third.message) == (first.message, "")
-    np.testing.assert_array_equal(second.mean, first.mean)
-    assert second.info.noise_floor == {"flip_ldr@67ppd": 0, "rmse_lin": 0}
+    first, message = obtain(scene, shipped)
+    assert rendered == [KEY]
+    assert "has changed" in message
+    second, same = obtain(scene, shipped)
+    third, none = obtain(scene)
+    assert rendered == [KEY]
+    assert (same, none) == (message, "")
+    for other in (second, third):
+        np.testing.assert_array_equal(other.mean, first.mean)
+    assert second.noise_floor == {"flip_ldr@67ppd": 0, "rmse_lin": 0}
+    # Another tracer, and another scene of the same label, have references of their own.
+    obtain(_scene(coverage=0.5 + 1e-7))
+    assert len(rendered) == 2
+    monkeypatch.setattr(rendering, "TRACER", TRACER + 1)
+    obtain(scene)
+    assert len(rendered) == 3
+    monkeypatch.undo()
     storage.save(shipped / "reference", _reference(scene))
-    assert obtain(shipped).info.spp == 16
+    assert obtain(scene, shipped)[0].rendering.spp == 16
+
+
+@needs_mitsuba
+def test_a_damaged_reference_of_the_cache_is_rendered_again(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    first, _ = lookup.find_or_render(_scene(), LABEL, SIZE, 2, [])
+    for path in sorted(tmp_path.rglob("*.*")):
+        whole = path.read_bytes()
+        for damage in (_flip_middle, Path.unlink):
+            damage(path)
+            again, message = lookup.find_or_render(_scene(), LABEL, SIZE, 2, [])
+            assert message == ""
+            np.testing.assert_array_equal(again.mean, first.mean)
+            assert path.read_bytes() == whole
 
 
 @needs_mitsuba
@@ -240,21 +395,22 @@ def test_a_cache_that_cannot_be_written_is_reported(
 ) -> None:
     (tmp_path / "file").touch()
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "file"))
-    reference = lookup.find_or_render(_scene(), LABEL, SIZE, 2, [])
-    assert "not cached" in reference.message
+    reference, message = lookup.find_or_render(_scene(), LABEL, SIZE, 2, [])
+    assert "not cached" in message
     assert reference.mean.shape == (SIZE[1], SIZE[0], 3)
+    np.testing.assert_array_equal(reference.mean, storage.stored_precision(reference).mean)
 
 
 @needs_mitsuba
 def test_a_check_fails_on_a_changed_mean_and_writes_images(tmp_path: Path) -> None:
     scene = _scene()
-    storage.save(tmp_path, rendering.render_reference(scene, LABEL, SIZE, 2))
-    back = storage.read(tmp_path, LABEL, SIZE)
-    assert back is not None
+    wanted = rendering.plan_rendering(scene, LABEL, SIZE, 2)
+    storage.save(tmp_path, rendering.render_reference(scene, wanted))
+    back = _read(tmp_path)
     assert check(scene, back, tmp_path / "out").passed
     assert not (tmp_path / "out").exists()
     bad = dataclasses.replace(back, mean=back.mean + np.float32(0.02))
     assert not check(scene, bad, tmp_path / "out").passed
-    names = {path.name for path in (tmp_path / "out" / back.info.key).iterdir()}
+    names = {path.name for path in failure_folder(tmp_path / "out", back).iterdir()}
     kinds = ("image", "reference", "error", "p_value")
     assert names == {f"{kind}.{suffix}" for kind in kinds for suffix in ("exr", "png")}

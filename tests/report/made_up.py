@@ -10,8 +10,9 @@ from typing import Any
 import msgspec
 import numpy as np
 
-from oitbench.image import files, metrics
+from oitbench.image import files, metrics, stored
 from oitbench.image.files import Image
+from oitbench.image.stored import StoredImage
 from oitbench.report import ReportContext
 from oitbench.results.records import Results
 from oitbench.results.schema import (
@@ -31,7 +32,7 @@ from oitbench.results.schema import (
     TrafficTerm,
     flip_image,
 )
-from oitbench.results.store import image_path
+from oitbench.results.store import IMAGES
 from tests.made_up import failed, outcome_of, record, timed, write
 
 SIDE = 16
@@ -48,7 +49,13 @@ def unfinished(
     scene: str, method: str, status: Status = "failed", reason: str = "no", **fields: Any
 ) -> Record:
     """Return a record without numbers; `fields` are further fields of `Record`."""
-    return failed(method, reason, scene=scene, status=status, **({"size": (SIDE, SIDE)} | fields))
+    return failed(
+        method,
+        reason,
+        scene=scene,
+        status=status,
+        **({"size": (SIDE, SIDE), "gl": FACTS.gl} | fields),
+    )
 
 
 def finished(
@@ -78,7 +85,7 @@ def finished(
         Fields of `Record` that replace the made-up ones.
     """
     median = 2 - error
-    values: dict[str, Any] = {"time": timed(median), "size": (SIDE, SIDE)}
+    values: dict[str, Any] = {"time": timed(median), "size": (SIDE, SIDE), "gl": FACTS.gl}
     made = record(method, scene, **(values | fields))
     truth, picture = _pictures(error)
     evaluation = _compare(error)
@@ -88,13 +95,14 @@ def finished(
         kinds += [PATH_TRACED, flip_image(PATH_TRACED)]
         floor: dict[str, float | None] = {metrics.FLIP_LDR: FLOOR, metrics.RMSE: FLOOR}
         scores[PATH_TRACED] = Scores(evaluation.values, floor)
-    images = {kind: image_path(made.key, kind) for kind in kinds}
-    for kind, path in images.items():
+    images: dict[str, StoredImage] = {}
+    for kind in kinds:
         if kind.startswith("flip_"):
             maps = evaluation.maps[metrics.FLIP_LDR], evaluation.maps[metrics.FLIP_HDR]
-            files.write_flip_maps(folder / path, *maps)
+            channels = files.flip_channels(*maps)
         else:
-            files.write_exr(folder / path, picture if kind == "color" else truth)
+            channels = files.image_channels(picture if kind == "color" else truth)
+        images[kind] = stored.store(folder, f"{IMAGES}/{kind}", channels)
     made_up = msgspec.structs.replace(
         outcome_of(scores, images),
         memory=Memory(3072, 96, [MemoryTerm("a", 2048), MemoryTerm("b", 1024)]),
@@ -109,10 +117,10 @@ def unstable(folder: Path, scene: str, method: str) -> Record:
     made = finished(folder, scene, method, 0.2)
     assert made.outcome is not None
     outcome = made.outcome
-    picture = files.read_exr(folder / outcome.images["color"])
+    picture = files.read_exr(folder / outcome.images["color"].path)
     picture[3, 3] = np.nan
-    files.write_exr(folder / outcome.images["color"], picture)
     images = {kind: path for kind, path in outcome.images.items() if not kind.startswith("flip_")}
+    images["color"] = stored.store(folder, f"{IMAGES}/color", files.image_channels(picture))
     nothing = Scores(dict.fromkeys(metrics.NAMES))
     changed = msgspec.structs.replace(
         outcome,

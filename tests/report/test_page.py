@@ -16,6 +16,7 @@ from oitbench.plugins import Collection
 from oitbench.report import write
 from oitbench.results.records import Results
 from oitbench.results.schema import Record
+from tests.damage import flip_bit
 from tests.report.made_up import finished, store, unfinished, unstable
 
 REPORTS = Collection.load().places.reports
@@ -130,11 +131,42 @@ def test_few_cells_are_enough(tmp_path: Path, records: Callable[[Path], list[Rec
         assert link.startswith("#") or (page.parent / unquote(link)).is_file()
 
 
-def test_a_missing_picture_affects_no_other(tmp_path: Path) -> None:
+@pytest.mark.parametrize("fault", ["is damaged", "cannot be read"])
+@pytest.mark.parametrize("kind", ["color", "exact", "flip_exact"])
+def test_a_bad_image_is_one_line_and_affects_no_other(
+    tmp_path: Path, kind: str, fault: str
+) -> None:
     murk = finished(tmp_path, "panes", "murk", 0.2)
     store(tmp_path, murk, finished(tmp_path, "panes", "glow", 0.1))
     assert murk.outcome is not None
-    (tmp_path / murk.outcome.images["color"]).unlink()
+    image = murk.outcome.images[kind]
+    if fault == "is damaged":
+        flip_bit(tmp_path / image.path, 8 * image.bytes // 2)
+    else:
+        (tmp_path / image.path).unlink()
     page = write(tmp_path, tmp_path / "out", {"images": REPORTS["images"]}).path
-    assert sum(link.endswith("glow.png") for link in links(page)) == 2
-    assert not any(link.endswith("murk.png") for link in links(page))
+    text = page.read_text(encoding="utf-8")
+    assert text.count(f"<li>{tmp_path / image.path} {fault}") == 1
+    # The truth is a file that all cells share, so it cannot be shown at all.
+    shown = [link for link in links(page) if link.endswith(".png")]
+    assert sum("glow" in link for link in shown) == 4
+    assert sum("murk" in link for link in shown) == {"color": 0, "exact": 4, "flip_exact": 2}[kind]
+
+
+def test_labels_that_look_alike_have_pictures_of_their_own(tmp_path: Path) -> None:
+    labels = ["my-method", "my_method", "my method", "m[x=1e-15]", "m[x=1e+15]", "y" * 250]
+    cells = [finished(tmp_path, "s" * 250, label, 0.1 * i) for i, label in enumerate(labels)]
+    reports = {"images": REPORTS["images"]}
+    page = write(store(tmp_path, *cells), tmp_path / "out", reports).path
+    pictures = {link for link in links(page) if "/images/" in f"/{link}" and "flip" not in link}
+    files = [page.parent / unquote(link) for link in pictures]
+    assert all(file.is_file() for file in files)
+    tiles = {file.name for file in files if file.suffix == ".png" and file.parent != page.parent}
+    assert len(tiles) == len(labels) + 2
+
+
+def test_the_renderer_is_known_without_run_facts(tmp_path: Path) -> None:
+    store(tmp_path, finished(tmp_path, "panes", "murk", 0.2))
+    (tmp_path / "run.json").write_text("{")
+    page = write(tmp_path, None, {}).path
+    assert "Rendered on <strong>llvmpipe (test)</strong>" in page.read_text(encoding="utf-8")

@@ -5,11 +5,12 @@ from __future__ import annotations
 import csv
 from pathlib import Path
 
+import msgspec
 import numpy as np
 import pytest
 from PIL import Image
 
-from oitbench.image import files
+from oitbench.image import files, stored
 from oitbench.plugins import Collection
 from oitbench.report import ImageGrid, figures, write
 from oitbench.report.artifacts import write_csv
@@ -57,12 +58,17 @@ def narrow(folder: Path, size: tuple[int, int]) -> Record:
     made = finished(folder, "panes", "murk", 0.2, traced=False, size=size)
     assert made.outcome is not None
     image = np.full((size[1], size[0], 3), 0.5, np.float32)
-    for kind, path in made.outcome.images.items():
-        if kind.startswith("flip"):
-            files.write_flip_maps(folder / path, image[..., 0], image[..., 0])
-        else:
-            files.write_exr(folder / path, image)
-    return made
+    maps = files.flip_channels(image[..., 0], image[..., 0])
+    images = {
+        kind: stored.store(
+            folder,
+            f"images/{kind}",
+            maps if kind.startswith("flip") else files.image_channels(image),
+        )
+        for kind in made.outcome.images
+    }
+    outcome = msgspec.structs.replace(made.outcome, images=images)
+    return msgspec.structs.replace(made, outcome=outcome)
 
 
 @pytest.mark.parametrize("size", [(1, 700), (700, 1)])

@@ -26,8 +26,9 @@ def write_run(folder: Path) -> Path:
 
 def write_changed(before: Path, change: Change, renderer: str = "softly") -> Path:
     """Write `now` beside the folder `before`; the first cell differs by `change`."""
-    records = [change(record("mean")), record("peel[layers=8]")]
-    facts = msgspec.structs.replace(FACTS, gl=Renderer(renderer))
+    gl = Renderer(renderer)
+    records = [change(record("mean", gl=gl)), record("peel[layers=8]", gl=gl)]
+    facts = msgspec.structs.replace(FACTS, gl=gl)
     return write(before.parent / "now", records, facts)
 
 

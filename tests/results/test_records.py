@@ -10,6 +10,7 @@ import pytest
 from oitbench.errors import UsageError
 from oitbench.results.records import Results
 from oitbench.results.schema import EXACT, PATH_TRACED
+from tests.damage import flip_bit
 from tests.report.made_up import FACTS, finished, store, unfinished, unstable, with_effects
 
 
@@ -84,8 +85,26 @@ def test_images_and_maps_can_be_missing(tmp_path: Path) -> None:
     assert [errors.shape for errors in maps] == [(16, 16)] * 2
     assert results.flip_maps(cell, PATH_TRACED) is None
     assert cell.outcome is not None
-    (tmp_path / cell.outcome.images["flip_exact"]).unlink()
+    path = tmp_path / cell.outcome.images["flip_exact"].path
+    path.unlink()
+    results = Results(tmp_path, (cell,), FACTS)
     assert results.flip_maps(cell, EXACT) is None
+    (fault,) = results.faults
+    assert fault == f"{path} cannot be read (No such file or directory); run again to render it"
+
+
+def test_no_damaged_image_is_shown(tmp_path: Path) -> None:
+    cell = finished(tmp_path, "panes", "murk", 0.3)
+    assert cell.outcome is not None
+    for kind, image in cell.outcome.images.items():
+        path = tmp_path / image.path
+        whole = path.read_bytes()
+        for number in range(3, 8 * len(whole), 8 * len(whole) // 25):
+            flip_bit(path, number)
+            results = Results(tmp_path, (cell,), FACTS)
+            assert results.fault(cell, kind) == f"{path} is damaged; run again to render it"
+            assert len(results.faults) == 1
+            path.write_bytes(whole)
 
 
 def test_folders_without_results_are_refused(tmp_path: Path) -> None:

@@ -74,6 +74,12 @@ def _act(action: str, on_step: OnStep) -> str:
             raise ZeroDivisionError("by nought")
         case "quit":
             sys.exit("enough")
+        case text if text.startswith("exit at first, by "):
+            try:
+                os.close(os.open(text.removeprefix("exit at first, by "), os.O_CREAT | os.O_EXCL))
+            except FileExistsError:
+                return "second"
+            os._exit(7)
         case "number":
             return str(os.getpid())
     return "fine"

@@ -64,6 +64,18 @@ def test_a_lost_request_has_a_reason_and_the_next_one_is_answered(
     assert answer(worker, "work") == "fine"
 
 
+def test_a_request_that_may_be_repeated_survives_one_end_of_the_process(
+    worker: Process, tmp_path: Path
+) -> None:
+    request = Act(f"exit at first, by {tmp_path / 'mark'}")
+    assert worker.ask(request, Done, 60.0, retry=True).text == "second!"
+    with pytest.raises(WorkerError, match="ended with code 7"):
+        worker.ask(Act("exit"), Done, 60.0, retry=True)
+    (tmp_path / "mark").unlink()
+    with pytest.raises(WorkerError, match="ended with code 7"):
+        worker.ask(request, Done, 60.0)
+
+
 def test_a_user_error_is_one_line_and_does_not_end_the_process(worker: Process) -> None:
     before = answer(worker, "number")
     with pytest.raises(UsageError, match=r"^three is too many$"):

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
+from oitbench.filenames import file_name
 from oitbench.image import files as images
 from oitbench.image.files import Image
 from oitbench.path_traced.references.storage import Reference
@@ -39,14 +40,20 @@ def check(scene: Scene, reference: Reference, output: Path, spp: int = CHECK_SPP
     UsageError, CapabilityError, SceneError
         As `trace.render.render` does.
     """
-    info = reference.info
-    estimate = render(scene, info.size, info.ssaa, spp, info.seed + 1)
+    known = reference.rendering
+    estimate = render(scene, known.size, known.ssaa, spp, known.seed + 1)
     # The variance of the new mean follows from the stored one, which is known far better.
-    variance = reference.variance * (1 + info.spp / estimate.spp)
+    variance = reference.variance * (1 + known.spp / estimate.spp)
     result = z_test(estimate.mean, reference.mean, variance)
     if not result.passed:
-        _write_failure(output / info.key, scene.exposure, estimate.mean, reference.mean, result)
+        folder = failure_folder(output, reference)
+        _write_failure(folder, scene.exposure, estimate.mean, reference.mean, result)
     return result
+
+
+def failure_folder(output: Path, reference: Reference) -> Path:
+    """Return the folder below `output` for the images of a failed check."""
+    return output / file_name(reference.rendering.key)
 
 
 def _write_failure(

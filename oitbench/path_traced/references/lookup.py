@@ -1,31 +1,61 @@
 """Finding the reference of a scene: in the collections, in the cache, or rendered on demand.
 
-A reference whose scene has changed is stale. It is reported and never used.
+A reference of another scene or of another path tracer is stale. Stale and damaged references are
+reported and never used.
 """
 
 from __future__ import annotations
 
 import os
 from collections.abc import Iterable
-from dataclasses import replace
+from contextlib import suppress
+from dataclasses import dataclass
 from pathlib import Path
 
+import msgspec
+
 from oitbench.errors import UsageError
-from oitbench.path_traced.references.fingerprint import fingerprint
-from oitbench.path_traced.references.rendering import render_reference
-from oitbench.path_traced.references.storage import FOLDER, Reference, read, save
+from oitbench.fingerprints.scene import scene_fingerprint
+from oitbench.path_traced.references import storage
+from oitbench.path_traced.references.rendering import plan_rendering, render_reference
+from oitbench.path_traced.references.storage import (
+    FOLDER,
+    MANIFEST,
+    Reference,
+    Rendering,
+    read,
+    reference_key,
+    save,
+    stored_precision,
+)
+from oitbench.path_traced.version import TRACER
 from oitbench.scene import Scene
 
 
+@dataclass(frozen=True)
+class Found:
+    """The result of a search.
+
+    Parameters
+    ----------
+    reference : Reference, optional
+        One that fits the scene.
+    message : str
+        One line on references that were found and cannot be used; empty if there is nothing to
+        report.
+    stale : (Path, Reference), optional
+        If none fits, the stale one that takes precedence, and its folder.
+    """
+
+    reference: Reference | None
+    message: str = ""
+    stale: tuple[Path, Reference] | None = None
+
+
 def find(
-    scene: Scene,
-    label: str,
-    size: tuple[int, int],
-    ssaa: int,
-    folders: Iterable[Path],
-    cache: Path | None = None,
-) -> Reference | None:
-    """Return the stored reference of a scene, from a collection or from the cache.
+    scene: Scene, label: str, size: tuple[int, int], ssaa: int, folders: Iterable[Path]
+) -> Found:
+    """Return the stored reference of a scene from a collection.
 
     Parameters
     ----------
@@ -38,44 +68,71 @@ def find(
         Side of the sub-pixel grid. References of another grid do not count.
     folders : iterable of Path
         Folders of collections. The last one that has a reference takes precedence.
-    cache : Path, optional
-        Default: no cache.
-
-    Returns
-    -------
-    Reference or None
-        One that fits the scene, else a stale one with a message, else None.
-
-    Raises
-    ------
-    UsageError
-        If a manifest or an image is damaged.
     """
-    current = fingerprint(scene)
-    places = [folder / FOLDER for folder in folders][::-1]
-    if cache is not None:
-        places.append(_place_in_cache(cache, current, size, ssaa))
-    stale: Reference | None = None
-    for place in places:
-        found = read(place, label, size)
-        if found is None or found.info.ssaa != ssaa:
+    current = scene_fingerprint(scene)
+    messages: list[str] = []
+    stale: tuple[Path, Reference] | None = None
+    for folder in [folder / FOLDER for folder in folders][::-1]:
+        try:
+            found = read(folder, label, size)
+        except UsageError as error:
+            messages.append(str(error))
             continue
-        if found.info.fingerprint == current:
-            return found if stale is None else replace(found, message=stale.message)
-        message = (
-            f"{place / found.info.key}: the scene has changed since this reference was rendered; "
-            f"run 'oitbench reference {label}'"
+        if found is None or found.rendering.ssaa != ssaa:
+            continue
+        changed = _changed(found.rendering, current)
+        if not changed:
+            return Found(found, "; ".join(messages))
+        stale = stale or (folder, found)
+        messages.append(
+            f"{folder / reference_key(label, size)}: {changed} has changed since this reference was"
+            f" rendered; run 'oitbench reference {label}'"
         )
-        stale = stale or replace(found, stale=True, message=message)
-    return stale
+    return Found(None, "; ".join(messages), stale)
+
+
+def _changed(rendering: Rendering, fingerprint: str) -> str:
+    if rendering.fingerprint != fingerprint:
+        return "the scene"
+    return "" if rendering.tracer == TRACER else "the path tracer"
+
+
+def adopt(scene: Scene, folder: Path, stale: Reference) -> None:
+    """Declare that a stale reference shows this scene as this path tracer renders it.
+
+    Parameters
+    ----------
+    scene : Scene
+    folder : Path
+        The folder of the reference.
+    stale : Reference
+        It must have passed `check.check` with this scene.
+    """
+    known = stale.rendering
+    current = msgspec.structs.replace(known, tracer=TRACER, fingerprint=scene_fingerprint(scene))
+    storage.adopt(folder, known.key, current)
+
+
+def truth_fingerprint(
+    scene: Scene, label: str, size: tuple[int, int], ssaa: int, folders: Iterable[Path]
+) -> str:
+    """Return a digest of the rendering of the reference that `find_or_render` returns.
+
+    Parameters
+    ----------
+    scene, label, size, ssaa, folders
+        As in `find`.
+    """
+    found = find(scene, label, size, ssaa, folders).reference
+    return (found.rendering if found else plan_rendering(scene, label, size, ssaa)).digest
 
 
 def find_or_render(
     scene: Scene, label: str, size: tuple[int, int], ssaa: int, folders: Iterable[Path]
-) -> Reference:
+) -> tuple[Reference, str]:
     """Return a reference that fits a scene: from a collection, else from the cache, else rendered.
 
-    A reference that is rendered is stored in the cache.
+    A reference that is rendered is stored in the cache, and what is returned is what is stored.
 
     Parameters
     ----------
@@ -84,9 +141,10 @@ def find_or_render(
 
     Returns
     -------
-    Reference
-        Never stale. Its message reports a stale reference that was not used, and a cache that
-        cannot be written to.
+    reference : Reference
+    message : str
+        One line on references that were not used, and on a cache that cannot be written to; empty
+        if there is nothing to report.
 
     Raises
     ------
@@ -94,22 +152,37 @@ def find_or_render(
         If the scene cannot be path traced on this machine.
     SceneError
         If the radiance of a ray is not finite.
-    UsageError
-        If a manifest or an image is damaged.
     """
+    found = find(scene, label, size, ssaa, folders)
+    if found.reference is not None:
+        return found.reference, found.message
+    messages = [found.message] if found.message else []
+    wanted = plan_rendering(scene, label, size, ssaa)
     cache = cache_folder()
-    found = find(scene, label, size, ssaa, folders, cache)
-    if found is not None and not found.stale:
-        return found
-    reference = render_reference(scene, label, size, ssaa)
-    message = found.message if found is not None else ""
+    place = cache / wanted.digest if cache is not None else None
+    reference = _read_cached(place, label, size)
+    if reference is None:
+        fresh = render_reference(scene, wanted)
+        try:
+            if place is None:
+                raise UsageError("there is no home folder; set XDG_CACHE_HOME")
+            save(place, fresh)
+        except UsageError as error:
+            messages.append(f"not cached: {error}")
+        reference = _read_cached(place, label, size) or stored_precision(fresh)
+    return reference, "; ".join(messages)
+
+
+def _read_cached(place: Path | None, label: str, size: tuple[int, int]) -> Reference | None:
+    """Return a reference of the cache, or None; a damaged one is removed."""
+    if place is None:
+        return None
     try:
-        if cache is None:
-            raise UsageError("there is no home folder; set XDG_CACHE_HOME")
-        save(_place_in_cache(cache, reference.info.fingerprint, size, ssaa), reference)
-    except UsageError as error:
-        message = f"{message}; not cached: {error}".removeprefix("; ")
-    return replace(reference, message=message)
+        return read(place, label, size)
+    except UsageError:
+        with suppress(OSError):
+            (place / MANIFEST).unlink()
+        return None
 
 
 def cache_folder() -> Path | None:
@@ -123,8 +196,3 @@ def cache_folder() -> Path | None:
     except RuntimeError:
         return None
     return folder / "oitbench" / "references"
-
-
-def _place_in_cache(cache: Path, digest: str, size: tuple[int, int], ssaa: int) -> Path:
-    """Return a folder for one reference, so that two processes never share a manifest."""
-    return cache / f"{digest[:16]}-{size[0]}x{size[1]}-{ssaa}"

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from oitbench.fingerprints.scene import scene_fingerprint
 from oitbench.image import metrics
 from oitbench.path_traced import llvm
-from oitbench.path_traced.references.fingerprint import fingerprint
-from oitbench.path_traced.references.storage import Reference, ReferenceInfo, stored_precision
+from oitbench.path_traced.references.storage import Reference, Rendering
+from oitbench.path_traced.trace.path_tracer import is_random
 from oitbench.path_traced.trace.render import Estimate, render
+from oitbench.path_traced.version import TRACER
 from oitbench.scene import Scene
 
 # Samples for each sub-pixel, so that a picture of 256 × 256 takes some minutes.
@@ -38,17 +40,15 @@ def noise_floor(estimate: Estimate, exposure: float) -> dict[str, float | None]:
     }
 
 
-def render_reference(
+def plan_rendering(
     scene: Scene,
     label: str,
     size: tuple[int, int],
     ssaa: int,
     spp: int | None = None,
     seed: int = 1,
-) -> Reference:
-    """Render a reference, with a progress bar on standard error.
-
-    Its mean is rounded as a stored one, so that both give the same metrics.
+) -> Rendering:
+    """Return how a reference of a scene is rendered by this version of the suite.
 
     Parameters
     ----------
@@ -60,42 +60,48 @@ def render_reference(
     ssaa : int
         Side of the sub-pixel grid.
     spp : int, optional
-        Samples for each sub-pixel. Default: `default_spp(scene)`.
+        Samples for each sub-pixel. Default: `default_spp(scene)`. Scenes that need no random
+        numbers always get one.
     seed : int
+    """
+    return Rendering(
+        scene=label,
+        size=size,
+        ssaa=ssaa,
+        spp=(spp or default_spp(scene)) if is_random(scene) else 1,
+        seed=seed,
+        tracer=TRACER,
+        mitsuba=str(llvm.backend().mitsuba),
+        fingerprint=scene_fingerprint(scene),
+    )
+
+
+def render_reference(scene: Scene, rendering: Rendering) -> Reference:
+    """Render a reference, with a progress bar on standard error.
 
     Raises
     ------
     UsageError, CapabilityError, SceneError
         As `trace.render.render` does.
     """
-    spp = default_spp(scene) if spp is None else spp
-    estimate = _render_with_bar(scene, label, size, ssaa, spp, seed)
-    info = ReferenceInfo(
-        scene=label,
-        size=size,
-        ssaa=ssaa,
-        spp=estimate.spp,
-        seed=seed,
-        mitsuba=str(llvm.backend().mitsuba),
-        fingerprint=fingerprint(scene),
-        noise_floor=noise_floor(estimate, scene.exposure),
-    )
-    return Reference(info, stored_precision(estimate.mean), estimate.variance)
+    estimate = _render_with_bar(scene, rendering)
+    floor = noise_floor(estimate, scene.exposure)
+    return Reference(rendering, floor, estimate.mean, estimate.variance)
 
 
-def _render_with_bar(
-    scene: Scene, label: str, size: tuple[int, int], ssaa: int, spp: int, seed: int
-) -> Estimate:
+def _render_with_bar(scene: Scene, rendering: Rendering) -> Estimate:
     from rich.console import Console
     from rich.progress import Progress
 
-    with Progress(console=Console(stderr=True), transient=True) as bar:
-        task = bar.add_task(f"path tracing {label}", total=None)
+    console = Console(stderr=True)
+    # In a file or a pipe, the bar would end in an empty line.
+    with Progress(console=console, transient=True, disable=not console.is_terminal) as bar:
+        task = bar.add_task(f"path tracing {rendering.scene}", total=None)
         return render(
             scene,
-            size,
-            ssaa,
-            spp,
-            seed,
+            rendering.size,
+            rendering.ssaa,
+            max(2, rendering.spp),
+            rendering.seed,
             lambda done, count: bar.update(task, completed=done, total=count),
         )

@@ -1,30 +1,37 @@
 """Where references are stored: a folder with one manifest, and two images for each entry.
 
-The mean is stored in half floats, and its variance in float32, because the variance would underflow
-in half floats.
+The mean is stored in half floats if they can hold it, and its variance in float32, because the
+variance would underflow in half floats. Images are named by their content. So a reference changes
+at the moment in which the manifest is replaced, and a reader finds the old one or the new one.
 """
 
 from __future__ import annotations
 
+import hashlib
 import json
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+import msgspec
 import numpy as np
+from msgspec import Struct
 
 from oitbench import json_text
-from oitbench.atomic import replacing
-from oitbench.errors import UsageError
-from oitbench.image import files as images
+from oitbench.atomic import locked, remove_partial_files, replacing, writing
+from oitbench.errors import SceneError, UsageError
+from oitbench.filenames import file_name
+from oitbench.image import files, stored
 from oitbench.image.files import Image
+from oitbench.image.stored import StoredImage
 
 FOLDER = "reference"
 """The folder of a collection that holds its references."""
 MANIFEST = "manifest.json"
 
-_VERSION = 1
+_VERSION = 2
+_LOCK = ".lock"
 
 
 def reference_key(label: str, size: tuple[int, int]) -> str:
@@ -32,9 +39,8 @@ def reference_key(label: str, size: tuple[int, int]) -> str:
     return f"{label}@{size[0]}x{size[1]}"
 
 
-@dataclass(frozen=True)
-class ReferenceInfo:
-    """How a reference was rendered: its entry in the manifest.
+class Rendering(Struct, frozen=True, forbid_unknown_fields=True):
+    """How a reference was rendered; two equal renderings are one picture.
 
     Parameters
     ----------
@@ -45,14 +51,14 @@ class ReferenceInfo:
     ssaa : int
         Side of the sub-pixel grid.
     spp : int
-        Samples that were taken for each sub-pixel.
+        Samples for each sub-pixel.
     seed : int
+    tracer : int
+        Version of the path tracer, `path_traced.version.TRACER`.
     mitsuba : str
-        Version.
+        Version of Mitsuba.
     fingerprint : str
-        Fingerprint of the scene that was rendered.
-    noise_floor : dict of str to float or None
-        `flip_ldr@67ppd` and `rmse_lin` between the two halves of the samples.
+        Fingerprint of the scene.
     """
 
     scene: str
@@ -60,38 +66,38 @@ class ReferenceInfo:
     ssaa: int
     spp: int
     seed: int
+    tracer: int
     mitsuba: str
     fingerprint: str
-    noise_floor: dict[str, float | None]
-
-    @classmethod
-    def parse(cls, entry: Mapping[str, Any]) -> ReferenceInfo:
-        """Return the info of a manifest's entry.
-
-        Raises
-        ------
-        KeyError, TypeError, ValueError
-            If a field is missing or of another type.
-        """
-        width, height = entry["size"]
-        floors = dict(entry["noise_floor"])
-        return cls(
-            scene=str(entry["scene"]),
-            size=(int(width), int(height)),
-            ssaa=int(entry["ssaa"]),
-            spp=int(entry["spp"]),
-            seed=int(entry["seed"]),
-            mitsuba=str(entry["mitsuba"]),
-            fingerprint=str(entry["fingerprint"]),
-            noise_floor={
-                str(name): None if value is None else float(value) for name, value in floors.items()
-            },
-        )
 
     @property
     def key(self) -> str:
-        """The name of the entry, with which the names of its files begin."""
+        """The name of the reference in a manifest."""
         return reference_key(self.scene, self.size)
+
+    @property
+    def digest(self) -> str:
+        """A digest of everything but the label: 32 hexadecimal digits."""
+        content = msgspec.json.encode(msgspec.structs.replace(self, scene=""))
+        return hashlib.sha256(content).hexdigest()[:32]
+
+
+class ReferenceInfo(Struct, frozen=True, forbid_unknown_fields=True):
+    """An entry of a manifest.
+
+    Parameters
+    ----------
+    rendering : Rendering
+    noise_floor : dict of str to float or None
+        `flip_ldr@67ppd` and `rmse_lin` between the two halves of the samples.
+    mean, variance : StoredImage
+        Files beside the manifest.
+    """
+
+    rendering: Rendering
+    noise_floor: dict[str, float | None]
+    mean: StoredImage
+    variance: StoredImage
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,37 +106,57 @@ class Reference:
 
     Parameters
     ----------
-    info : ReferenceInfo
+    rendering : Rendering
+    noise_floor : dict of str to float or None
+        By metric, between the two halves of the samples.
     mean, variance : array, shape (h, w, 3), float32
         Linear radiance, and the variance of that mean.
-    stale : bool
-        Whether the scene has changed since. A stale image must not be used as a reference.
-    message : str
-        One line for the user; empty if there is nothing to report.
+
+    Raises
+    ------
+    SceneError
+        If the mean is not finite, the variance is not a finite number of at least zero, or an image
+        has another size.
     """
 
-    info: ReferenceInfo
+    rendering: Rendering
+    noise_floor: dict[str, float | None]
     mean: Image
     variance: Image
-    stale: bool = False
-    message: str = ""
+
+    def __post_init__(self) -> None:
+        owner = f"reference {self.rendering.key}"
+        width, height = self.rendering.size
+        for name, image in (("mean", self.mean), ("variance", self.variance)):
+            if image.shape != (height, width, 3):
+                raise SceneError(f"{owner}: its {name} is not {width}x{height} pixels")
+            if not np.isfinite(image).all():
+                raise SceneError(f"{owner}: its {name} holds NaN or infinity")
+        if (self.variance < 0).any():
+            raise SceneError(f"{owner}: its variance is negative")
 
 
 def read_manifest(folder: Path) -> dict[str, ReferenceInfo]:
-    """Return the entries of a folder's manifest by name; empty if there is no manifest.
+    """Return the entries of a folder's manifest by name, without damaged ones.
 
     Raises
     ------
     UsageError
-        If the manifest is damaged or of another version.
+        If the manifest as a whole is damaged or of another version.
     """
+    parsed = {key: _parse(key, entry) for key, entry in _read_entries(folder).items()}
+    return {key: info for key, info in parsed.items() if info is not None}
+
+
+def _read_entries(folder: Path) -> dict[str, Any]:
+    """Return the entries of a folder's manifest as they are; empty if there is no manifest."""
     path = folder / MANIFEST
     try:
         manifest = json_text.loads(path.read_bytes())
         version, entries = manifest["version"], dict(manifest["references"])
     except (FileNotFoundError, NotADirectoryError):
         return {}
-    except (OSError, ValueError, KeyError, TypeError) as error:
+    except (OSError, ValueError, KeyError, TypeError, RecursionError) as error:
         raise UsageError(
             f"{path} is damaged; restore it, or delete it and render its references again"
         ) from error
@@ -139,48 +165,22 @@ def read_manifest(folder: Path) -> dict[str, ReferenceInfo]:
             f"{path} is of version {version}, not {_VERSION}; delete it and render its references "
             "again"
         )
-    return {key: _parse(path, key, entry) for key, entry in entries.items()}
+    return entries
 
 
-def _parse(path: Path, key: str, entry: Any) -> ReferenceInfo:
+def _parse(key: str, entry: Any) -> ReferenceInfo | None:
+    """Return an entry of a manifest; None if it is damaged."""
     try:
-        info = ReferenceInfo.parse(entry)
-    except (KeyError, TypeError, ValueError) as error:
-        raise _damaged(path, key) from error
-    if info.key != key:
-        raise _damaged(path, key)
-    return info
+        fields = dict(entry)
+        checksum = fields.pop("checksum")
+        info = msgspec.convert(fields, ReferenceInfo)
+    except (KeyError, TypeError, ValueError):
+        return None
+    return info if info.rendering.key == key and checksum == _checksum(info) else None
 
 
-def _damaged(path: Path, key: str) -> UsageError:
-    return UsageError(f"{path}: entry {key} is damaged; delete the entry and render it again")
-
-
-def stored_precision(mean: Image) -> Image:
-    """Return a mean rounded as `save` stores it: half floats if they can hold it."""
-    return mean.astype(np.float16).astype(np.float32) if images.fits_half(mean) else mean
-
-
-def save(folder: Path, reference: Reference) -> None:
-    """Write a reference into `folder`.
-
-    The images are written first, so that the manifest never names a missing one.
-
-    Raises
-    ------
-    UsageError
-        If the folder cannot be written to, or its manifest is damaged.
-    """
-    entries = read_manifest(folder)
-    key, mean = reference.info.key, reference.mean
-    images.write_exr(folder / f"{key}.mean.exr", mean, half=images.fits_half(mean))
-    images.write_exr(folder / f"{key}.variance.exr", reference.variance)
-    entries[key] = reference.info
-    facts = {name: asdict(info) for name, info in sorted(entries.items())}
-    manifest = {"version": _VERSION, "references": facts}
-    text = json.dumps(manifest, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
-    with replacing(folder / MANIFEST) as partial:
-        partial.write_text(text, encoding="utf-8")
+def _checksum(info: ReferenceInfo) -> str:
+    return hashlib.sha256(msgspec.json.encode(info)).hexdigest()[:16]
 
 
 def read(folder: Path, label: str, size: tuple[int, int]) -> Reference | None:
@@ -191,15 +191,96 @@ def read(folder: Path, label: str, size: tuple[int, int]) -> Reference | None:
     Raises
     ------
     UsageError
-        If the manifest is damaged, or an image is damaged or missing.
+        If the manifest, the entry or an image is damaged, or an image is missing.
     """
     key = reference_key(label, size)
-    info = read_manifest(folder).get(key)
-    if info is None:
+    entries = _read_entries(folder)
+    if key not in entries:
         return None
-    mean = images.read_exr(folder / f"{key}.mean.exr")
-    variance = images.read_exr(folder / f"{key}.variance.exr")
-    shape = (size[1], size[0], 3)
-    if mean.shape != shape or variance.shape != shape:
-        raise UsageError(f"{folder}/{key}: its images are not {size[0]}x{size[1]}; render it again")
-    return Reference(info, mean, variance)
+    info = _parse(key, entries[key])
+    fix = f"restore it, or run 'oitbench reference {label}'"
+    if info is None:
+        raise UsageError(f"{folder / MANIFEST}: entry {key} is damaged; {fix}")
+    try:
+        mean, variance = (
+            files.read_exr(stored.verify(folder, image)) for image in (info.mean, info.variance)
+        )
+        return Reference(info.rendering, info.noise_floor, mean, variance)
+    except (UsageError, SceneError) as error:
+        raise UsageError(f"{error}; {fix}") from error
+
+
+def stored_precision(reference: Reference) -> Reference:
+    """Return a reference as it would be read after `save`."""
+    if not files.fits_half(reference.mean):
+        return reference
+    return replace(reference, mean=reference.mean.astype(np.float16).astype(np.float32))
+
+
+def save(folder: Path, reference: Reference) -> None:
+    """Write a reference into `folder`, and remove images that no entry names any more.
+
+    Raises
+    ------
+    UsageError
+        If the folder cannot be written to, or its manifest is damaged.
+    """
+    key = reference.rendering.key
+    stem = file_name(key)
+    half = files.fits_half(reference.mean)
+    with writing(folder):
+        folder.mkdir(parents=True, exist_ok=True)
+    with locked(folder / _LOCK, wait=True):
+        remove_partial_files(folder)
+        entries = _read_entries(folder)
+        mean = files.image_channels(reference.mean, half=half)
+        variance = files.image_channels(reference.variance)
+        info = ReferenceInfo(
+            reference.rendering,
+            reference.noise_floor,
+            stored.store(folder, f"{stem}.mean", mean),
+            stored.store(folder, f"{stem}.variance", variance),
+        )
+        entries[key] = _entry(info)
+        _write_entries(folder, entries)
+        _remove_unnamed(folder, entries)
+
+
+def adopt(folder: Path, key: str, rendering: Rendering) -> None:
+    """Replace the rendering of an entry of `folder`, whose images stay.
+
+    Raises
+    ------
+    UsageError
+        If the entry is missing or damaged, or the manifest cannot be written.
+    """
+    with locked(folder / _LOCK, wait=True):
+        entries = _read_entries(folder)
+        info = _parse(key, entries.get(key))
+        if info is None or rendering.key != key:
+            raise UsageError(f"{folder / MANIFEST}: entry {key} is missing or damaged; render it")
+        entries[key] = _entry(msgspec.structs.replace(info, rendering=rendering))
+        _write_entries(folder, entries)
+
+
+def _entry(info: ReferenceInfo) -> dict[str, Any]:
+    return {**msgspec.to_builtins(info), "checksum": _checksum(info)}
+
+
+def _write_entries(folder: Path, entries: Mapping[str, Any]) -> None:
+    manifest = {"version": _VERSION, "references": dict(sorted(entries.items()))}
+    text = json.dumps(manifest, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+    with replacing(folder / MANIFEST) as partial:
+        partial.write_text(text, encoding="utf-8")
+
+
+def _remove_unnamed(folder: Path, entries: Mapping[str, Any]) -> None:
+    """Remove the images of replaced references, also those that a killed process left."""
+    infos = [_parse(key, entry) for key, entry in entries.items()]
+    named = {image.path for info in infos if info for image in (info.mean, info.variance)}
+    if None in infos:
+        return  # The files of a damaged entry are unknown.
+    with writing(folder):
+        for path in (*folder.glob("*.mean-*.exr"), *folder.glob("*.variance-*.exr")):
+            if path.name not in named:
+                path.unlink(missing_ok=True)

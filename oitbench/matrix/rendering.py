@@ -1,0 +1,171 @@
+"""Renders the cells of a matrix with a pool of workers, and stores each when it is done."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
+from dataclasses import dataclass, field
+from queue import Empty, Queue
+
+from oitbench.errors import OitbenchError, StorageError
+from oitbench.matrix.cell import Cell
+from oitbench.matrix.plan import Matrix
+from oitbench.matrix.pool import WorkerProcess
+from oitbench.matrix.resume import Resume, describe
+from oitbench.matrix.worker import CellDone, CellsIdentified, IdentifyCells, RunCell
+from oitbench.results.schema import Fingerprints, Record, Status
+from oitbench.workers.process import WorkerError
+
+OnRecord = Callable[[Cell, Record | None], None]
+OnLine = Callable[[str], None]
+_Item = tuple[Cell, CellDone | None] | str | BaseException | None
+"""A cell that is done, or kept; a line for the user; an error; the end of a scene."""
+_WAKE_SECONDS = 1.0
+
+
+@dataclass
+class Rendering:
+    """Distributes scenes over workers; a scene stays with one worker, which uploads it once.
+
+    Parameters
+    ----------
+    matrix : Matrix
+    resume : Resume
+    on_record : callable
+        Called with every record as it comes, and with None for a cell that is kept.
+    on_line : callable
+        Called with a line about finished cells that are run again, and why.
+
+    Attributes
+    ----------
+    fresh : set of Cell
+        Cells that were run.
+    spent : list of dict of str to float
+        Seconds by kind of work of each of them.
+    """
+
+    matrix: Matrix
+    resume: Resume
+    on_record: OnRecord
+    on_line: OnLine
+    fresh: set[Cell] = field(default_factory=set, init=False)
+    spent: list[dict[str, float]] = field(default_factory=list, init=False)
+
+    def run(self, pool: list[WorkerProcess]) -> None:
+        """Render and store all cells that are not kept."""
+        scenes: dict[str, list[Cell]] = {}
+        for cell in self.matrix.cells:
+            scenes.setdefault(cell.scene, []).append(cell)
+        finished: Queue[_Item] = Queue()
+        free: Queue[WorkerProcess] = Queue()
+        for worker in pool:
+            free.put(worker)
+        stopped = threading.Event()
+
+        def render_scene(cells: list[Cell]) -> None:
+            worker = free.get()
+            try:
+                self._render_scene(worker, cells, finished, stopped)
+                finished.put(None)
+            except BaseException as error:
+                finished.put(error)
+            finally:
+                free.put(worker)
+
+        with ThreadPoolExecutor(len(pool)) as threads:
+            for cells in scenes.values():
+                threads.submit(render_scene, cells)
+            try:
+                left = len(scenes)
+                while left:
+                    item = _next(finished)
+                    if isinstance(item, BaseException):
+                        raise item
+                    if item is None:
+                        left -= 1
+                    elif isinstance(item, str):
+                        self.on_line(item)
+                    else:
+                        self._take(*item)
+            except BaseException:
+                # An interrupt or a bug must not wait for cells that nobody wants.
+                stopped.set()
+                for worker in pool:
+                    worker.stop()
+                raise
+
+    def _take(self, cell: Cell, done: CellDone | None) -> None:
+        """Store what a worker has done for a cell; None: it is kept."""
+        if done is not None:
+            self.resume.store.append(done.record)
+            self.fresh.add(cell)
+            self.spent.append(done.spent)
+        self.on_record(cell, None if done is None else done.record)
+
+    def _render_scene(
+        self,
+        worker: WorkerProcess,
+        cells: list[Cell],
+        finished: Queue[_Item],
+        stopped: threading.Event,
+    ) -> None:
+        todo = self.resume.redone(cells, lambda known: self._identify(worker, known))
+        for line in describe(todo):
+            finished.put(line)
+        lost: WorkerError | None = None
+        for cell in cells:
+            if stopped.is_set():
+                return
+            if cell not in todo:
+                finished.put((cell, None))
+                continue
+            try:
+                done = self._render(worker, cell, lost)
+            except WorkerError as error:
+                done = self._unanswered(cell, error)
+                # The other cells need the same part, which would fail again.
+                lost = error if error.shared else None
+            finished.put((cell, done))
+
+    def _identify(self, worker: WorkerProcess, cells: list[Cell]) -> Sequence[Fingerprints | None]:
+        usable = [cell for cell in cells if cell not in self.matrix.unusable]
+        try:
+            request, limit = IdentifyCells(usable), self.matrix.timeout
+            # A worker that was killed from outside must not cost the results of earlier runs.
+            reply = worker.ask(request, CellsIdentified, limit, retry=True)
+        except OitbenchError:
+            return [None] * len(cells)  # Running the cells tells what is wrong.
+        found = dict(zip(usable, reply.fingerprints, strict=True))
+        return [found.get(cell) for cell in cells]
+
+    def _render(self, worker: WorkerProcess, cell: Cell, lost: WorkerError | None) -> CellDone:
+        if cell in self.matrix.unusable:
+            return self._failed(cell, self.matrix.unusable[cell])
+        if lost is not None:
+            return self._unanswered(cell, lost)
+        try:
+            return worker.ask(RunCell(cell), CellDone, self.matrix.timeout)
+        except (StorageError, WorkerError):
+            raise
+        except OitbenchError as error:
+            return self._failed(cell, str(error))
+
+    def _failed(self, cell: Cell, reason: str) -> CellDone:
+        return CellDone(cell.record("failed", reason, gl=self.resume.gl), {})
+
+    def _unanswered(self, cell: Cell, error: WorkerError) -> CellDone:
+        status: Status = "timeout" if error.timeout else "failed"
+        return CellDone(cell.record(status, str(error), gl=self.resume.gl), {})
+
+
+def _next(finished: Queue[_Item]) -> _Item:
+    """Wait for the next item of a queue.
+
+    Signals that a stopped process receives may reach any of its threads when it goes on. The main
+    thread, which handles them, only notices them when it wakes up.
+    """
+    while True:
+        with suppress(Empty):
+            return finished.get(timeout=_WAKE_SECONDS)
