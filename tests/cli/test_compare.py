@@ -73,7 +73,7 @@ def test_json_output_has_every_finding(call: Call, before: Path) -> None:
         ),
         (
             '{"format": 3, "renderer": "a", "cells": {"x": {"status": "ok", "exact.f": NaN}}}',
-            "NaN is not a number",
+            "NaN is not a finite number",
         ),
     ],
 )
