@@ -68,6 +68,7 @@ def measure(
     clock: Clock,
     cpu: Processor,
     meter: Meter = usage,
+    now: Callable[[], float] = time.perf_counter,
 ) -> Timings:
     """Time the frames of one scene against each other.
 
@@ -84,11 +85,13 @@ def measure(
         A fact for the record.
     meter : callable
         Returns the CPU time so far.
+    now : callable
+        Returns the time in seconds, by which the number of rounds is chosen.
     """
     tasks = _tasks(frames, clock)
-    attempts = [_attempt(tasks, schedule, meter)]
+    attempts = [_attempt(tasks, schedule, meter, now)]
     if attempts[0].disturbed:
-        attempts.append(_attempt(tasks, schedule, meter))
+        attempts.append(_attempt(tasks, schedule, meter, now))
     best = min(attempts, key=lambda attempt: attempt.foreign or 0.0)
     repeated, settings = len(attempts) > 1, (schedule.rounds, schedule.budget)
     block = Block(clock.name, cpu, best.seconds, best.foreign, repeated, *settings)
@@ -153,11 +156,14 @@ def _time_stages(frame: Frame, clock: Clock) -> Parts:
 
 
 def _attempt(
-    tasks: Mapping[_Task, Callable[[], object]], schedule: Schedule, meter: Meter
+    tasks: Mapping[_Task, Callable[[], object]],
+    schedule: Schedule,
+    meter: Meter,
+    now: Callable[[], float],
 ) -> _Attempt:
-    start, before = time.perf_counter(), meter()
-    counted = rounds.run(tasks, schedule)
-    return _Attempt(counted, time.perf_counter() - start, foreign_share(before, meter()))
+    start, before = now(), meter()
+    counted = rounds.run(tasks, schedule, now)
+    return _Attempt(counted, now() - start, foreign_share(before, meter()))
 
 
 def _time(name: str, frame: Frame, counted: rounds.Counted[_Task], block: Block) -> Time:
