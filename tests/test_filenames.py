@@ -33,4 +33,5 @@ def test_labels_that_look_alike_have_different_names() -> None:
         "", ".", "..", "%2E", "~", "a/b", long, f"{long}y", file_name(long), file_name(""),
     ]  # fmt: skip
     assert len({file_name(label) for label in labels}) == len(labels)
+    assert not any(file_name(label).startswith(".") for label in labels)
     assert file_name("glass_bars") == "glass_bars"

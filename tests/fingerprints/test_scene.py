@@ -85,6 +85,7 @@ PAIRS = {
     "radiance of 1e-6 or 4e-6": (sheet_scene(radiance=1e-6), sheet_scene(radiance=4e-6)),
     "a view of 2e-6 or 4e-6 radians": (sheet_scene(fov=2e-6), sheet_scene(fov=4e-6)),
     "meters: a sheet moved by a centimeter": (sheet_scene(), sheet_scene(offset=0.01)),
+    "a sheet moved by four millionths of its size": (sheet_scene(), sheet_scene(offset=8e-6)),
     "one scene in two units": (sheet_scene(unit=1.0), sheet_scene(unit=1e-6)),
     "two kinds of light": (
         lit(SpotLight((0, 1, 0), (0, 0, 0))),

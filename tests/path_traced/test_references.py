@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 import dataclasses
-import json
 from pathlib import Path
 
-import msgspec
 import numpy as np
 import pytest
 
-from oitbench.errors import SceneError, StorageError, UsageError
-from oitbench.fingerprints.scene import scene_fingerprint
+from oitbench.errors import SceneError, UsageError
 from oitbench.image import stored
 from oitbench.path_traced.references import lookup, rendering, storage
 from oitbench.path_traced.references.check import check, failure_folder
@@ -20,47 +17,14 @@ from oitbench.path_traced.references.z_test import z_test
 from oitbench.path_traced.trace.render import Estimate
 from oitbench.path_traced.version import TRACER
 from oitbench.places import own_folder
-from oitbench.scene import Camera, Material, Mesh, Object, Scene, Texture
-from tests.damage import cut, flip_bit, largest_file
+from oitbench.scene import Scene
 from tests.path_traced.agreement import needs_mitsuba
-
-SIZE = (12, 8)
-LABEL = "window[seed=2]"
-KEY = "window[seed=2]@12x8"
-
-
-def _scene(coverage: float | Texture = 0.5, exposure: float = 0.0) -> Scene:
-    corners = np.array([(-1.0, -1.0, 0.0), (1.0, -1.0, 0.0), (1.0, 1.0, 0.0), (-1.0, 1.0, 0.0)])
-    mesh = Mesh(
-        corners,
-        np.array([(0, 1, 2), (0, 2, 3)], dtype=np.uint32),
-        (corners[:, :2] / 2 + 0.5).astype(np.float32),
-    )
-    film = Object("film", mesh, Material(coverage, emission=(1.0, 0.25, 0.0)))
-    return Scene(
-        LABEL, Camera((0.0, 0.0, 4.0)), (film,), background=(0.1, 0.2, 0.3), exposure=exposure
-    )
-
-
-def _reference(scene: Scene, seed: int = 7) -> Reference:
-    random = np.random.default_rng(seed)
-    return Reference(
-        Rendering(LABEL, SIZE, 2, 16, seed, TRACER, "3.9.1", scene_fingerprint(scene)),
-        {"flip_ldr@67ppd": 0.001, "rmse_lin": None},
-        mean=random.random((SIZE[1], SIZE[0], 3)).astype(np.float32),
-        variance=(1e-9 * random.random((SIZE[1], SIZE[0], 3))).astype(np.float32),
-    )
-
-
-def _read(folder: Path) -> Reference:
-    found = storage.read(folder, LABEL, SIZE)
-    assert found is not None
-    return found
+from tests.path_traced.stored import KEY, LABEL, SIZE, make_reference, make_scene, read_back
 
 
 def test_a_stored_reference_can_be_read(tmp_path: Path) -> None:
-    scene = _scene()
-    reference = _reference(scene)
+    scene = make_scene()
+    reference = make_reference(scene)
     storage.save(tmp_path / "reference", reference)
     found = lookup.find(scene, LABEL, SIZE, 2, [tmp_path])
     assert found.message == ""
@@ -92,10 +56,10 @@ def test_the_references_of_the_collection_are_intact_and_written_unchanged(tmp_p
 
 
 def test_a_radiance_beyond_half_floats_is_kept(tmp_path: Path) -> None:
-    reference = _reference(_scene())
+    reference = make_reference(make_scene())
     bright = dataclasses.replace(reference, mean=reference.mean * np.float32(1e6))
     storage.save(tmp_path, bright)
-    np.testing.assert_array_equal(_read(tmp_path).mean, bright.mean)
+    np.testing.assert_array_equal(read_back(tmp_path).mean, bright.mean)
     np.testing.assert_array_equal(storage.stored_precision(bright).mean, bright.mean)
 
 
@@ -109,7 +73,7 @@ def test_a_radiance_beyond_half_floats_is_kept(tmp_path: Path) -> None:
     ],
 )
 def test_impossible_values_are_refused(name: str, value: float, message: str) -> None:
-    reference = _reference(_scene())
+    reference = make_reference(make_scene())
     image = getattr(reference, name).copy()
     image[3, 4, 1] = value
     with pytest.raises(SceneError, match=message):
@@ -117,14 +81,14 @@ def test_impossible_values_are_refused(name: str, value: float, message: str) ->
 
 
 def test_an_image_of_another_size_is_refused() -> None:
-    reference = _reference(_scene())
+    reference = make_reference(make_scene())
     with pytest.raises(SceneError, match="its mean is not 12x8 pixels"):
         dataclasses.replace(reference, mean=reference.mean[:-1])
 
 
 def test_another_label_size_or_grid_is_not_found(tmp_path: Path) -> None:
-    scene = _scene()
-    storage.save(tmp_path / "reference", _reference(scene))
+    scene = make_scene()
+    storage.save(tmp_path / "reference", make_reference(scene))
     nothing = lookup.Found(None)
     assert lookup.find(scene, "window", SIZE, 2, [tmp_path]) == nothing
     assert lookup.find(scene, LABEL, (8, 12), 2, [tmp_path]) == nothing
@@ -136,8 +100,8 @@ def test_another_label_size_or_grid_is_not_found(tmp_path: Path) -> None:
 def test_a_stale_reference_is_reported_and_not_used(
     changed: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    storage.save(tmp_path / "reference", _reference(_scene()))
-    scene = _scene(coverage=0.5 + 1e-7 if changed == "scene" else 0.5)
+    storage.save(tmp_path / "reference", make_reference(make_scene()))
+    scene = make_scene(coverage=0.5 + 1e-7 if changed == "scene" else 0.5)
     if changed == "tracer":
         monkeypatch.setattr(lookup, "TRACER", TRACER + 1)
     found = lookup.find(scene, LABEL, SIZE, 2, [tmp_path])
@@ -150,9 +114,9 @@ def test_a_stale_reference_is_reported_and_not_used(
 
 
 def test_a_stale_reference_can_be_adopted(tmp_path: Path) -> None:
-    before, now = _scene(), _scene(coverage=0.501)
+    before, now = make_scene(), make_scene(coverage=0.501)
     folder = tmp_path / "reference"
-    storage.save(folder, _reference(before))
+    storage.save(folder, make_reference(before))
     images = {path.name: path.read_bytes() for path in folder.glob("*.exr")}
     found = lookup.find(now, LABEL, SIZE, 2, [tmp_path])
     assert found.stale is not None
@@ -162,135 +126,6 @@ def test_a_stale_reference_can_be_adopted(tmp_path: Path) -> None:
     assert {path.name: path.read_bytes() for path in folder.glob("*.exr")} == images
     with pytest.raises(UsageError, match="entry other@12x8 is missing or damaged"):
         storage.adopt(folder, "other@12x8", found.stale[1].rendering)
-
-
-def test_a_damaged_reference_costs_no_other_and_names_the_fix(tmp_path: Path) -> None:
-    folder = tmp_path / "reference"
-    storage.save(folder, _reference(_scene()))
-    path = folder / storage.MANIFEST
-    whole = json.loads(path.read_text())
-    del whole["references"][KEY]["rendering"]["spp"]
-    path.write_text(json.dumps(whole))
-    pattern = r"manifest\.json: entry window\[seed=2\]@12x8 is damaged; restore it, or run 'oitb"
-    with pytest.raises(UsageError, match=pattern):
-        storage.read(folder, LABEL, SIZE)
-    assert storage.read_manifest(folder) == {}
-    found = lookup.find(_scene(), LABEL, SIZE, 2, [tmp_path])
-    assert found.reference is None
-    assert "is damaged" in found.message
-    # The advice works: rendering it again repairs the entry.
-    storage.save(folder, _reference(_scene()))
-    assert lookup.find(_scene(), LABEL, SIZE, 2, [tmp_path]).message == ""
-
-
-@pytest.mark.parametrize(
-    ("text", "message"),
-    [
-        ("{", "damaged; restore it, or delete it"),
-        ("[]", "damaged; restore it, or delete it"),
-        ("[" * 100_000, "damaged; restore it, or delete it"),
-        ('{"version": 99, "references": {}}', "is of version 99"),
-    ],
-)
-def test_a_damaged_manifest_is_reported_with_the_fix(
-    text: str, message: str, tmp_path: Path
-) -> None:
-    path = tmp_path / "reference" / storage.MANIFEST
-    storage.save(path.parent, _reference(_scene()))
-    path.write_text(text)
-    with pytest.raises(UsageError, match=message):
-        storage.read_manifest(path.parent)
-    assert message in lookup.find(_scene(), LABEL, SIZE, 2, [tmp_path]).message
-    # A damaged manifest is never replaced: it may hold entries that somebody can restore.
-    with pytest.raises(UsageError, match=message):
-        storage.save(path.parent, _reference(_scene()))
-    assert path.read_text() == text
-
-
-def test_every_flipped_bit_of_a_manifest_is_noticed(tmp_path: Path) -> None:
-    reference = _reference(_scene())
-    storage.save(tmp_path, reference)
-    path = tmp_path / storage.MANIFEST
-    whole = path.read_bytes()
-    for number in range(0, 8 * len(whole), 7):
-        flip_bit(path, number)
-        try:
-            found = storage.read(tmp_path, LABEL, SIZE)
-        except UsageError:
-            found = None
-        # A flipped bit may still leave the same values, as in a blank.
-        assert found is None or (found.rendering, found.noise_floor) == (
-            reference.rendering,
-            reference.noise_floor,
-        )
-        path.write_bytes(whole)
-
-
-def _flip_middle(path: Path) -> None:
-    flip_bit(path, 4 * path.stat().st_size)
-
-
-def _cut_end(path: Path) -> None:
-    cut(path, 1)
-
-
-def test_damaged_and_missing_images_are_errors(tmp_path: Path) -> None:
-    storage.save(tmp_path, _reference(_scene()))
-    (info,) = storage.read_manifest(tmp_path).values()
-    for image in (info.mean, info.variance):
-        path = tmp_path / image.path
-        whole = path.read_bytes()
-        for damage in (_flip_middle, _cut_end):
-            damage(path)
-            with pytest.raises(UsageError, match=r"exr is damaged; restore it, or run 'oitbench"):
-                _read(tmp_path)
-            path.write_bytes(whole)
-        path.unlink()
-        with pytest.raises(UsageError, match=r"exr cannot be read .*; restore it, or run"):
-            _read(tmp_path)
-        path.write_bytes(whole)
-    assert _read(tmp_path).noise_floor == info.noise_floor
-
-
-def test_paths_that_leave_the_folder_are_damage(tmp_path: Path) -> None:
-    storage.save(tmp_path / "reference", _reference(_scene()))
-    path = tmp_path / "reference" / storage.MANIFEST
-    content = json.loads(path.read_text())
-    (info,) = storage.read_manifest(path.parent).values()
-    for wrong in ("../a.exr", "/etc/a.exr", "a/../../b.exr"):
-        moved = msgspec.structs.replace(info, mean=stored.StoredImage(wrong, "0" * 64, 1))
-        content["references"][KEY] = storage._entry(moved)
-        path.write_text(json.dumps(content))
-        with pytest.raises(UsageError, match="is damaged"):
-            storage.read(path.parent, LABEL, SIZE)
-
-
-def test_a_label_with_a_path_stays_in_its_folder(tmp_path: Path) -> None:
-    label = "text[path=../../x/y]"
-    made = _reference(_scene())
-    named = msgspec.structs.replace(made.rendering, scene=label)
-    storage.save(tmp_path / "reference", dataclasses.replace(made, rendering=named))
-    assert [path.name for path in tmp_path.iterdir()] == ["reference"]
-    assert all(path.is_file() for path in (tmp_path / "reference").iterdir())
-    assert storage.read(tmp_path / "reference", label, SIZE) is not None
-
-
-def test_a_full_disk_keeps_the_old_reference_whole(tmp_path: Path) -> None:
-    old, new = _reference(_scene()), _reference(_scene(coverage=0.4), seed=8)
-    storage.save(tmp_path, old)
-    whole = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
-    sizes = sorted(len(content) for content in whole.values())
-    for limit in (0, *(size - 1 for size in sizes)):
-        with largest_file(limit), pytest.raises(StorageError, match="free some space"):
-            storage.save(tmp_path, new)
-        back = _read(tmp_path)
-        assert back.rendering == old.rendering
-        np.testing.assert_array_equal(back.variance, old.variance)
-    storage.save(tmp_path, new)
-    assert _read(tmp_path).rendering == new.rendering
-    names = {path.name for path in tmp_path.iterdir()}
-    assert len(names) == 3
-    assert names & whole.keys() == {storage.MANIFEST}
 
 
 def test_z_test_passes_noise_and_fails_a_shift() -> None:
@@ -339,8 +174,8 @@ def test_a_reference_is_rendered_once_and_every_method_gets_the_stored_one(
 ) -> None:
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
     shipped = tmp_path / "collection"
-    scene = _scene()
-    storage.save(shipped / "reference", _reference(_scene(coverage=0.4)))
+    scene = make_scene()
+    storage.save(shipped / "reference", make_reference(make_scene(coverage=0.4)))
     rendered: list[str] = []
 
     def render_reference(scene: Scene, wanted: Rendering) -> Reference:
@@ -363,30 +198,14 @@ def test_a_reference_is_rendered_once_and_every_method_gets_the_stored_one(
         np.testing.assert_array_equal(other.mean, first.mean)
     assert second.noise_floor == {"flip_ldr@67ppd": 0, "rmse_lin": 0}
     # Another tracer, and another scene of the same label, have references of their own.
-    obtain(_scene(coverage=0.5 + 1e-7))
+    obtain(make_scene(coverage=0.5 + 1e-7))
     assert len(rendered) == 2
     monkeypatch.setattr(rendering, "TRACER", TRACER + 1)
     obtain(scene)
     assert len(rendered) == 3
     monkeypatch.undo()
-    storage.save(shipped / "reference", _reference(scene))
+    storage.save(shipped / "reference", make_reference(scene))
     assert obtain(scene, shipped)[0].rendering.spp == 16
-
-
-@needs_mitsuba
-def test_a_damaged_reference_of_the_cache_is_rendered_again(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
-    first, _ = lookup.find_or_render(_scene(), LABEL, SIZE, 2, [])
-    for path in sorted(tmp_path.rglob("*.*")):
-        whole = path.read_bytes()
-        for damage in (_flip_middle, Path.unlink):
-            damage(path)
-            again, message = lookup.find_or_render(_scene(), LABEL, SIZE, 2, [])
-            assert message == ""
-            np.testing.assert_array_equal(again.mean, first.mean)
-            assert path.read_bytes() == whole
 
 
 @needs_mitsuba
@@ -395,7 +214,7 @@ def test_a_cache_that_cannot_be_written_is_reported(
 ) -> None:
     (tmp_path / "file").touch()
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "file"))
-    reference, message = lookup.find_or_render(_scene(), LABEL, SIZE, 2, [])
+    reference, message = lookup.find_or_render(make_scene(), LABEL, SIZE, 2, [])
     assert "not cached" in message
     assert reference.mean.shape == (SIZE[1], SIZE[0], 3)
     np.testing.assert_array_equal(reference.mean, storage.stored_precision(reference).mean)
@@ -403,10 +222,10 @@ def test_a_cache_that_cannot_be_written_is_reported(
 
 @needs_mitsuba
 def test_a_check_fails_on_a_changed_mean_and_writes_images(tmp_path: Path) -> None:
-    scene = _scene()
+    scene = make_scene()
     wanted = rendering.plan_rendering(scene, LABEL, SIZE, 2)
     storage.save(tmp_path, rendering.render_reference(scene, wanted))
-    back = _read(tmp_path)
+    back = read_back(tmp_path)
     assert check(scene, back, tmp_path / "out").passed
     assert not (tmp_path / "out").exists()
     bad = dataclasses.replace(back, mean=back.mean + np.float32(0.02))
