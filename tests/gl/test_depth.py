@@ -54,7 +54,7 @@ def counts(device: Device, seen: Camera, wall: Mesh, sheets: list[Mesh]) -> Any:
 @pytest.mark.parametrize("far", [math.inf, 2e4])
 @pytest.mark.parametrize("near", [0.1, 1e-4])
 @pytest.mark.parametrize("distance", [1.0, 37.0, 1e4])
-def test_facing_surfaces_are_told_apart_by_a_millionth_of_their_distance(
+def test_facing_surfaces_are_distinguished_by_a_millionth_of_their_distance(
     device: Device, distance: float, near: float, far: float, ahead: tuple[float, float, float]
 ) -> None:
     seen = camera(ahead, near=near, far=far)
@@ -66,7 +66,7 @@ def test_facing_surfaces_are_told_apart_by_a_millionth_of_their_distance(
 
 @pytest.mark.parametrize("ahead", VIEWS)
 @pytest.mark.parametrize("seed", range(4))
-def test_oblique_surfaces_are_told_apart_by_a_ten_thousandth(
+def test_oblique_surfaces_are_distinguished_by_a_ten_thousandth(
     device: Device, seed: int, ahead: tuple[float, float, float]
 ) -> None:
     seen, random = camera(ahead), np.random.default_rng(seed)
