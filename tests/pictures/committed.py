@@ -18,7 +18,7 @@ FORMAT = 1
 SKIPPED = "skipped"
 """In place of means: the driver lacks a capability."""
 _COUNT = 2 * 3 * (SIZE[0] // BLOCK) * (SIZE[1] // BLOCK)
-_DIGITS = 6
+_DIGITS = 7
 
 
 @dataclass(frozen=True)
@@ -34,8 +34,13 @@ class Tolerance:
         return abs(now - before) / allowed
 
 
-SAME_RENDERER = Tolerance(1e-4, 1e-6)
-OTHER_RENDERER = Tolerance(2e-2, 2e-3)
+SAME_RENDERER = Tolerance(1e-5, 1e-7)
+"""For equal names of the renderer. llvmpipe repeats itself bit for bit, and with vectors of 128 and
+of 256 bits its means agree to 5e-7, so this leaves room for the compiler alone."""
+OTHER_RENDERER = Tolerance(0.1, 1e-2)
+"""For another renderer: faults that everybody sees. Random changes of all positions and normals in
+their last digit move means by up to 1e-4, but by 4e-3 where shadows are stochastic, and by 8e-2
+where a method decides at random for each place in the scene."""
 
 
 def write(found: Pictures, path: Path = FILE) -> None:

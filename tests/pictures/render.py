@@ -1,4 +1,4 @@
-"""The means of all cells' pictures over blocks of pixels, and the shaders that each cell compiles."""
+"""Block means of the pictures of all cells, and the shaders that each cell compiles."""
 
 from __future__ import annotations
 

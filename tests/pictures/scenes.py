@@ -119,7 +119,7 @@ def beams() -> Scene:
 
 
 def surroundings() -> Scene:
-    """Return glossy and matt surfaces, and cut-out leaves, in a varied environment with occlusion."""
+    """Return glossy and matt surfaces and cut-out leaves; they occlude a varied environment."""
     sky = EnvironmentLight(Texture(_noise(9, 8, 16, 3) * np.float32(2)))
     matt = Material(albedo=(0.8, 0.7, 0.6), specular=0.0)
     glossy = Material(albedo=(0.2, 0.3, 0.1), specular=0.5, roughness=0.5)
@@ -132,8 +132,11 @@ def surroundings() -> Scene:
         Object("gloss", sphere((0.8, -0.5, -4.4), 0.6, 12, 6), glossy),
         Object("mirror", quad((1.0, 0.7, -4.8), (0.4, 0, 0.2), (0, 0.4, 0.1)),
                Material(specular=0.8, roughness=0.0)),
-        Object("leaf", quad((-0.5, -0.35, -3.2), (0.6, 0, 0.1), (0, 0.6, -0.2)), leaf),
-        Object("blade", quad((-0.6, 0.5, -3.6), (0.5, 0, 0.3), (0, 0.4, 0.1)), leaf),
+        # Nearly upright leaves beside posts: openness varies over distances of a centimeter.
+        Object("leaf", quad((-0.5, -0.35, -3.2), (0.6, 0, 0.02), (0, 0.6, -0.03)), leaf),
+        Object("blade", quad((-0.6, 0.5, -3.6), (0.5, 0, 0.04), (0, 0.4, 0.01)), leaf),
+        Object("post", box((-0.95, -0.5, -3.05), (0.2, 1.0, 0.2)), matt),
+        Object("stick", box((-0.2, 0.5, -3.5), (0.1, 0.8, 0.15)), matt),
         *_transparent(),
     )  # fmt: skip
     return Scene("surroundings", _CAMERA, objects, lights=(sky,), ambient_occlusion=1.5)

@@ -138,7 +138,7 @@ def test_committed_pictures_that_prove_nothing_are_refused(
     change(content)
     path = tmp_path / "pictures.json"
     path.write_text(json.dumps(content), encoding="utf-8")
-    with pytest.raises(UsageError, match="pictures.json"):
+    with pytest.raises(UsageError, match=r"pictures\.json"):
         committed.read(path)
 
 
