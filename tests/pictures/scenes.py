@@ -46,8 +46,8 @@ def _noise(seed: int, *shape: int) -> np.ndarray[tuple[int, ...], np.dtype[np.fl
 def lists() -> Scene:
     """Return lists without geometry, in which each block of pixels is another hard case.
 
-    From left to right, layers are thin, medium, dense, or opaque in part. From the bottom row up,
-    they are near (1 m) and colored; gray; far (to 400 m), bright and colored; at few, equal depths.
+    From left to right, layers are thin, medium, dense, or opaque in part. From the top row down,
+    they are near (to 7 m), near and gray, far (to 400 m) and bright, or at four depths.
     """
     rows, columns = SIZE[1], SIZE[0]
     shape = (LAYERS, rows, columns)
@@ -64,6 +64,11 @@ def lists() -> Scene:
     radiance = _noise(5, *shape, 3) * np.where(down == 2, 5.0, 0.9)[..., None]
     transmission = _noise(6, *shape, 3) * np.float32(0.8)
     transmission = np.where((down == 1)[..., None], transmission[..., :1], transmission)
+    # Layers of one depth and one radiance, that differ in transmission alone, in some channels.
+    alike = (down == 3) & (across == 2)
+    coverage = np.where(alike & (coverage > 0), 0.7, coverage)
+    radiance = np.where(alike[..., None], 0.6, radiance)
+    transmission = np.where(alike[..., None], np.floor(3 * transmission) / 3, transmission)
     camera = replace(_CAMERA, far=math.inf)
     content = (z, coverage, radiance, transmission)
     arrays = [np.ascontiguousarray(item, dtype=np.float32) for item in content]
@@ -195,7 +200,10 @@ def _transparent() -> tuple[Object, ...]:
         transmission=(0.8, 0.8, 0.7), collimation=0.4, coverage=0.9, specular=0.1, roughness=0.7
     )
     smoke = Material(coverage=Texture(_puff()), albedo=(0.8, 0.7, 0.9), isotropic=True)
-    glow = Material(coverage=0.4, emission=(0.6, 0.3, 0.1), transmission=(0.2, 0.2, 0.2))
+    glow = Material(
+        coverage=0.6, emission=(0.6, 0.3, 0.1), transmission=(0.2, 0.2, 0.2),
+        albedo=(0.3, 0.5, 0.4), specular=0.2, roughness=0.5,
+    )  # fmt: skip
     shaded = grid((-0.9, -0.2, -2.7), (0.3, 0.05, 0), (0, 0.3, 0.1), 2, 2)
     shaded = replace(shaded, normals=None, radiance=0.5 + _noise(11, 9, 3))
     return (
