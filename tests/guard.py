@@ -74,8 +74,11 @@ def first_change(chosen: Sequence[Cell]) -> str | None:
 def rewrite() -> None:
     """Print all differences from the committed values by cell, and rewrite both files."""
     found = pictures(cells(Collection.load()))
-    if committed.FILE.is_file():
+    try:
         changed = committed.differences(found, committed.read())
+    except UsageError as error:
+        print(error)  # the first time, or after a change of the format
+    else:
         for name, line in changed.items():
             print(f"{name} {line}")
         print(f"{len(changed)} of {len(found.means)} pictures differ")

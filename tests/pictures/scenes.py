@@ -29,7 +29,7 @@ from oitbench.scene import (
     Vector,
 )
 
-SIZE = (32, 32)
+SIZE = (40, 32)
 """Width and height of the guard's pictures, pixels."""
 BLOCK = 8
 """Side of the blocks whose means are compared, pixels."""
@@ -46,17 +46,17 @@ def _noise(seed: int, *shape: int) -> np.ndarray[tuple[int, ...], np.dtype[np.fl
 def lists() -> Scene:
     """Return lists without geometry, in which each block of pixels is another hard case.
 
-    From left to right, layers are thin, medium, dense, or opaque in part. From the top row down,
-    they are near (to 7 m), near and gray, far (to 400 m) and bright, or at four depths.
+    From left to right, layers are thin, medium, dense, opaque in part, or few. From the top row
+    down, they are near (to 7 m), near and gray, far (to 400 m) and bright, or at four depths.
     """
     rows, columns = SIZE[1], SIZE[0]
     shape = (LAYERS, rows, columns)
     across = np.arange(columns)[None, None, :] // BLOCK
     down = (np.arange(rows)[None, :, None] // BLOCK) + 0 * across
-    coverage = _noise(1, *shape) * np.array([0.04, 0.2, 0.7, 1.0])[across]
+    coverage = _noise(1, *shape) * np.array([0.04, 0.2, 0.7, 1.0, 0.8])[across]
     coverage = np.where((across == 3) & (_noise(2, *shape) < 0.1), 1.0, coverage)
     # Most layers of a dense pixel cover nothing, so that those behind them are seen.
-    kept = np.array([0.9, 0.4, 0.2, 0.1])[across]
+    kept = np.array([0.9, 0.4, 0.2, 0.1, 0.05])[across]
     coverage = np.where(_noise(3, *shape) < kept, coverage, 0.0)
     depths = _noise(4, *shape).astype(np.float64)
     z = np.where(down == 2, 0.3 * 1300.0**depths, 0.5 + 6 * depths)
@@ -170,10 +170,10 @@ more than colored coverage."""
 
 
 def _room(wall: Material) -> tuple[Object, ...]:
-    """Return a back wall and a floor that cast no shadow, and a box that does."""
+    """Return a low back wall and a floor that cast no shadow, and a box that does."""
     matt = Material(albedo=(0.4, 0.5, 0.6), emission=(0.05, 0.02, 0.01), specular=0.0)
     return (
-        Object("wall", quad((0, 0, -6), (3, 0, 0), (0, 3, 0)), wall, casts=False),
+        Object("wall", quad((0, -0.9, -6), (3, 0, 0), (0, 2.2, 0)), wall, casts=False),
         Object("floor", quad((0, -1.1, -4), (3, 0, 0), (0, 0, -2.5)), wall, casts=False),
         Object("box", box((-0.9, -0.75, -4.6), (0.6, 0.6, 0.6)), matt),
     )
