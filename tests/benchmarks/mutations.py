@@ -55,6 +55,7 @@ EQUIVALENT: Mapping[str, str] = {
     r"max\(.*, «1e-(12|20)»\)": "no value but zero is below the guard of a division",
     r"upsample\.glsl: ivec2 (first|last) =.*TENT «[-+]» 0.5": "weights beyond the tent are zero",
     r"lists\.frag\.glsl: fragment\.(normal|incidence|entering)": "read by refraction only",
+    r"/occlusion\.glsl: if \(depth >= «1\.0»": "nobody reads the openness of the background",
     r"lighting\.glsl: float longitude = .*«==»": "drivers give 0 straight up and down, too",
 }
 """Why no picture can change, by a pattern of file and code, with the place in guillemets."""

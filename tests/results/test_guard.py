@@ -97,7 +97,7 @@ def test_a_new_method_has_cells_and_must_be_committed() -> None:
 
 @pytest.mark.parametrize(
     ("renderer", "factor", "differs"),
-    [("softly", 1.00005, 0), ("softly", 1.0005, 1), ("other", 1.0005, 0), ("other", 1.5, 1)],
+    [("softly", 1.000005, 0), ("softly", 1.0001, 1), ("other", 1.0001, 0), ("other", 1.5, 1)],
 )
 def test_tolerances(renderer: str, factor: float, differs: int) -> None:
     now = Pictures(renderer, {"a": (0.5 * factor, 0.25)})
