@@ -24,7 +24,7 @@ from oitbench.results.store import CELLS, read_cells
 from tests import guard
 from tests.helpers import collection
 from tests.pictures import committed
-from tests.pictures.branches import branches
+from tests.pictures.branches import branches, reached
 from tests.pictures.cells import Cell, cells, combinations, running, values
 from tests.pictures.render import Pictures, pictures, shaders
 from tests.pictures.scenes import SCENES
@@ -52,6 +52,12 @@ def test_every_branch_of_every_shader_is_reached(drawn: Pictures) -> None:
     used = frozenset[str]().union(*drawn.files.values())
     assert not {path.relative_to(root).as_posix() for path in every} - used
     assert all((root / test).is_file() for test in BY_OTHERS.values())
+
+
+def test_branches_of_a_source() -> None:
+    text = "#define A 1\n#ifdef A\n#if A == 2 || !defined(B)\n#else\n#endif\n#elif A\n#else\n#endif"
+    places = [("file", number) for number in range(1, 9)]
+    assert {number for _, number in reached(text, places)} == {2, 3}
 
 
 def test_every_parameter_value_of_every_method_is_guarded() -> None:
