@@ -36,7 +36,7 @@ from oitbench.method.passes import (
     Pass,
     Step,
 )
-from oitbench.method.steps import passes_of
+from oitbench.method.steps import passes_of, read_per_sample
 
 Image = npt.NDArray[np.float32]
 _ATTEMPTS = 4
@@ -171,6 +171,7 @@ class Frame(Owner):
         blueprint = Blueprint(
             plan.label, plan.declared, plan.buffers, plan.bindings, plan.folders, plan.macros,
             plan.effects, shading, plan.samples, plan.mechanism or "",
+            read_per_sample(plan.passes, plan.declared),
         )  # fmt: skip
         self.orders = self.own(DrawOrders(device.context, geometry.batches, plan.passes))
         self._steps = [self._compile(blueprint, step) for step in plan.steps]

@@ -31,6 +31,12 @@ def is_single(item: Pass, targets: Mapping[str, Target]) -> bool:
     return bool(item.writes) and all(targets[name].single for name in item.writes)
 
 
+def read_per_sample(passes: Iterable[Pass], targets: Mapping[str, Target]) -> frozenset[str]:
+    """Return the targets of a multisampled frame whose samples gather passes read one by one."""
+    names = {name for item in passes if isinstance(item, Gather) for name in item.reads}
+    return frozenset(name for name in names if not targets[name].single)
+
+
 def subsample_of(item: Pass, targets: Mapping[str, Target]) -> int:
     """Return the downsampling factor of the targets that the pass writes."""
     names = [*item.writes, *([item.depth] if item.depth else [])]

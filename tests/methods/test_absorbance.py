@@ -15,7 +15,9 @@ from hypothesis import strategies as st
 from oitbench.gl.device import Device
 from oitbench.measure import accounting
 from oitbench.measure.oracle import composite, transmittances
-from oitbench.scene import Floats, FragmentLists
+from oitbench.modeling.mesh import quad
+from oitbench.scene import Camera, FragmentLists, Material, Object, Scene
+from oitbench.scene.vectors import Floats
 from tests.helpers import (
     BACKGROUND,
     NOTHING,
@@ -212,3 +214,16 @@ def test_lists_have_the_published_memory(
 )
 def test_colored_and_precise_records_are_larger(device: Device, name: str, record: int) -> None:
     assert bytes_of_lists(device, name) == (4, record)
+
+
+@pytest.mark.parametrize("name", ["opacity_map", "fourier_map"])
+def test_every_sample_of_a_steep_sheet_lies_within_its_own_bounds(
+    device: Device, name: str
+) -> None:
+    # A single layer hides nothing of itself, so the curve of a sample must begin at its own depth.
+    steep = quad((0, 0, -2), (0.5, 0, 1.2), (0, 0.5, 0))
+    material = Material(coverage=0.8, emission=(1.0, 0.5, 0.25))
+    scene = Scene("steep", Camera((0, 0, 0), (0, 0, -1)), (Object("sheet", steep, material),))
+    image = render(device, scene, f"{name}[memory=fixed,msaa=4]", size=(16, 16))
+    exact = render(device, scene, "weighted_blended[msaa=4,precision=float]", size=(16, 16))
+    np.testing.assert_allclose(image, exact, atol=1e-6)

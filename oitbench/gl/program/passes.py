@@ -29,8 +29,6 @@ from oitbench.method.storage import Buffer, Target
 DEPTH_COPY, DEPTH_AT_CENTERS = "opaque_depth_copy", "opaque_depth_at_centers"
 """Textures that stand in for the opaque depth: for passes that read and test it, and for passes
 that rasterize pixel centers in a multisampled frame."""
-
-
 LIGHT_VIEW = "LIGHT_VIEW"
 """Macro of passes that a light sees, not the camera."""
 
@@ -58,6 +56,8 @@ class Blueprint:
         Samples per pixel.
     mechanism : str
         Way of programmable blending.
+    per_sample : frozenset of str
+        Targets that gather passes read sample by sample.
     """
 
     owner: str
@@ -70,6 +70,7 @@ class Blueprint:
     shading: ShadingInputs = UNLIT
     samples: int = 1
     mechanism: str = FETCH
+    per_sample: frozenset[str] = frozenset()
 
 
 class CompiledPass(Owner):
@@ -235,6 +236,17 @@ def compile_pass(
     return compiled
 
 
+def _is_per_sample(blueprint: Blueprint, step: Pass) -> bool:
+    """Return whether each sample of a fragment is shaded for itself.
+
+    A pass that reads samples one by one is, and its fragments have the depths of the samples. All
+    that it reads must come from fragments with the same depths.
+    """
+    if blueprint.samples == 1 or not isinstance(step, Gather):
+        return False
+    return not blueprint.per_sample.isdisjoint((*step.reads, *step.writes))
+
+
 def attach(device: Device, texture: moderngl.Texture, entry: Format) -> moderngl.Framebuffer:
     """Return a framebuffer with one texture, of color or of depth."""
     if entry.depth:
@@ -325,6 +337,8 @@ def _sources(blueprint: Blueprint, geometry: Geometry, step: Pass) -> tuple[Sour
         fragment.add_engine_file("shading.glsl")
         if shading.occluded:
             fragment.add_engine_file("inferred_occlusion.glsl")
+    if _is_per_sample(blueprint, step):
+        fragment.add_text("prelude (samples)", "#define PER_SAMPLE 1")
     if _tests_in_shader(geometry, step):
         fragment.add_text("prelude (depth)", "#define TESTS_DEPTH 1")
     fragment.add_engine_file("fragment.glsl")

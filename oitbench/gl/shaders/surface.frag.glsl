@@ -92,6 +92,12 @@ void main() {
         fragment.coverage *= texel.a;
     }
 #endif
+#ifdef PER_SAMPLE
+    // Never true, but a shader that asks for the number of its sample runs for each sample.
+    if (gl_SampleID < 0) {
+        discard;
+    }
+#endif
 #ifdef TESTS_DEPTH
     if (!before_opaque(fragment, texelFetch(tested_depth, ivec2(gl_FragCoord.xy), 0).r)) {
         discard;
