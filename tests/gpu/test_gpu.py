@@ -121,7 +121,7 @@ def test_the_reference_compiler_accepts_mechanisms_that_this_driver_may_lack(
     class Captured(Exception):  # noqa: N818
         """The program is not compiled by the driver."""
 
-    def capture(device: Device, vertex: Source, fragment: Source) -> None:
+    def capture(device: Device, vertex: Source, fragment: Source, *rest: object) -> None:
         for stage, source in (("vert", vertex), ("frag", fragment)):
             path = tmp_path / f"shader.{stage}"
             path.write_text(source.text)
