@@ -87,7 +87,7 @@ def _render(context: ReportContext, sections: Sequence[Section]) -> str:
             counts={status: count for status, count in counts.items() if count},
             troubled=[record for record in results.records if record.status != "ok"],
             incomplete=_incomplete(results.records),
-            faults=results.faults,
+            faults=list(dict.fromkeys(line for item in sections for line in item.faults)),
             facts=_facts(results.facts),
             disturbed=disturbed_scenes(results.records),
             sign=SIGN,

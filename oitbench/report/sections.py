@@ -27,6 +27,8 @@ class Section:
     order : float
     body : str
         HTML.
+    faults : tuple of str
+        Images that could not be read, one line each.
     error : str
         Why the section could not be built, in one line; then it has no body.
     """
@@ -36,6 +38,7 @@ class Section:
     doc: str = ""
     order: float = LAST
     body: str = ""
+    faults: tuple[str, ...] = ()
     error: str = ""
 
 
@@ -70,4 +73,5 @@ def _build(worker: Process, name: str, path: Path, timeout: float | None) -> Sec
     except OitbenchError as error:
         text = str(error)
         return Section(name, name, error=text if str(path) in text else f"{path}: {text}")
-    return Section(name, built.title, built.doc, built.order, built.body)
+    faults = tuple(built.faults)
+    return Section(name, built.title, built.doc, built.order, built.body, faults)

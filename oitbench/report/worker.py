@@ -39,12 +39,16 @@ class BuildSection(Struct, frozen=True, tag=True):
 
 
 class SectionBuilt(Struct, frozen=True, tag=True):
-    """The section: `body` is HTML, and sections are sorted by `order`."""
+    """The section: `body` is HTML, and sections are sorted by `order`.
+
+    `faults` says in one line each which images could not be read so far.
+    """
 
     title: str
     doc: str
     order: float
     body: str
+    faults: list[str]
 
 
 def _begin(settings: Settings, on_step: OnStep) -> Callable[[BuildSection], SectionBuilt]:
@@ -68,6 +72,7 @@ def _begin(settings: Settings, on_step: OnStep) -> Callable[[BuildSection], Sect
                 float(getattr(module, "order", LAST)),
                 # A note may name a folder whose name is not UTF-8.
                 body.encode(errors="backslashreplace").decode(),
+                list(map(printable, results.faults)),
             )
         except OitbenchError:
             raise

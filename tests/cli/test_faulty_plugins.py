@@ -36,10 +36,10 @@ class Mine(oit.Method):
         return oit.Plan({{}}, (gather,))
 '''
 GATHER = "void gather(Fragment fragment) {{\n    {0}\n    color = premultiplied(fragment);\n}}\n"
-# llvmpipe ends every loop after 65,535 steps, which take minutes here.
+# llvmpipe leaves its loops after 65,535 steps together, so each step takes long.
 ENDLESS = f"""float total = fragment.z;
     for (int step = 0; step < 2000000000; step++) {{
-        {"total = sin(total) + float(step);" * 30}
+        {"total = sin(total) + float(step);" * 1000}
     }}
     if (total == 0.5) discard;"""
 SCENE = '''"""A scene."""

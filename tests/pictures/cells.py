@@ -19,7 +19,7 @@ from oitbench.method.ablation import REQUESTED, effects_axis
 from oitbench.method.declaration import Method
 from oitbench.parameters import AnyParameter, Value
 from oitbench.plugins import Collection
-from tests.pictures.scenes import ALL_EFFECTS, METHOD_SCENES, SCENES
+from tests.pictures.scenes import ALL_EFFECTS, DECALS, METHOD_SCENES, SCENES
 
 _PLAIN = Effect.COVERAGE | Effect.COLORED_TRANSMISSION
 
@@ -126,7 +126,7 @@ def _of_scene(scene: str, collection: Collection) -> Iterator[Cell]:
         rich = bool(plain.expresses & ~_PLAIN)
         if scene in (("lists", ALL_EFFECTS) if rich else METHOD_SCENES):
             yield from (Cell(scene, item.label) for item in variants(type(plain)))
-        elif scene == ALL_EFFECTS or rich:
+        elif scene in (ALL_EFFECTS, DECALS) or rich:
             yield Cell(scene, plain.label)
         own = requested & plain.expresses & ~Effect.COVERAGE
         kept = {f"-{str(effect.name).lower()}" for effect in Effect if effect & own}

@@ -28,6 +28,7 @@ from oitbench.scene import (
     Texture,
     Vector,
 )
+from oitbench.scene.vectors import Floats
 
 SIZE = (40, 32)
 """Width and height of the guard's pictures, pixels."""
@@ -158,15 +159,42 @@ def fog() -> Scene:
     return Scene("fog", _CAMERA, objects, lights=(sun, spot, sky), medium=medium)
 
 
+def decals() -> Scene:
+    """Return sheets in the planes of a wall and of each other; all reflect diffusely alone."""
+    right, up = np.array((1.0, 0.1, 0.3)), np.array((0.1, 1.0, -0.2))
+
+    def sheet(name: str, place: Vector, size: float, color: RGB, coverage: float = 1.0) -> Object:
+        center = np.array((0.0, 0.0, -4.0 + place[2])) + place[0] * right + place[1] * up
+        across = -size * right if name == "behind" else size * right  # seen from its back
+        mesh = grid(_vector(center), _vector(across), _vector(size * up), 2, 1)
+        return Object(name, mesh, Material(coverage=coverage, albedo=color, specular=0.0))
+
+    objects = (
+        sheet("wall", (0, 0, 0), 2.0, (0.9, 0.8, 0.7)),
+        sheet("before", (-0.5, 0.3, 0), 0.5, (0.9, 0.1, 0.1), 0.6),
+        sheet("behind", (0.6, 0.3, 0), 0.4, (0.1, 0.9, 0.1), 0.6),
+        sheet("lower", (0.1, -0.4, 0.5), 0.5, (0.1, 0.1, 0.9), 0.5),
+        sheet("upper", (-0.2, -0.3, 0.5), 0.4, (0.9, 0.9, 0.1), 0.7),
+    )
+    sun = DirectionalLight((-0.2, -0.3, -1.0), (3.0, 3.0, 3.0))
+    return Scene("decals", _CAMERA, objects, lights=(sun,), background=(0.2, 0.3, 0.4))
+
+
 SCENES: Mapping[str, Callable[[], Scene]] = {
-    scene.__name__: scene for scene in (lists, sheets, glass, beams, surroundings, fog)
+    scene.__name__: scene for scene in (lists, sheets, glass, beams, surroundings, fog, decals)
 }
 """The scenes by name."""
 METHOD_SCENES = ("lists", "sheets")
 """Scenes on which the parameters of all methods run; they need no shading."""
+DECALS = "decals"
+"""Scene of coincident surfaces, whose depth all methods take from another branch."""
 ALL_EFFECTS = "glass"
 """Scene that requests all effects of compositing. The parameters of methods run here that express
 more than colored coverage."""
+
+
+def _vector(values: Floats) -> Vector:
+    return float(values[0]), float(values[1]), float(values[2])
 
 
 def _room(wall: Material) -> tuple[Object, ...]:
