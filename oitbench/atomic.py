@@ -9,11 +9,14 @@ from __future__ import annotations
 import errno
 import fcntl
 import os
+import re
 import socket
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from datetime import datetime, timezone
 from pathlib import Path
+
+import psutil
 
 from oitbench.errors import StorageError, UsageError
 
@@ -25,7 +28,8 @@ FULL_DISK = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 def partial_file(path: Path) -> Iterator[Path]:
     """Yield a temporary path beside `path`; a file that is still there at the end is removed.
 
-    Missing folders are created.
+    Missing folders are created. Temporary files of `path` that killed processes of this machine
+    left behind are removed first.
 
     Yields
     ------
@@ -40,6 +44,7 @@ def partial_file(path: Path) -> Iterator[Path]:
     partial = path.with_name(f".{path.stem}.{os.getpid()}.partial{path.suffix}")
     with writing(path):
         path.parent.mkdir(parents=True, exist_ok=True)
+        _remove_abandoned(path)
         try:
             yield partial
         finally:
@@ -74,6 +79,19 @@ def writing(path: Path) -> Iterator[None]:
         fix = "free some space" if error.errno in FULL_DISK else "choose another folder"
         reason = error.strerror or str(error)
         raise StorageError(f"{path} cannot be written ({reason}); {fix}") from error
+
+
+def _remove_abandoned(path: Path) -> None:
+    """Remove temporary files of `path` whose processes no longer exist."""
+    pattern = re.compile(
+        rf"\.{re.escape(path.stem)}\.(\d+)\.partial{re.escape(path.suffix)}", re.ASCII
+    )
+    # It is possible that a folder can be written to, but not read.
+    with suppress(OSError):
+        for found in path.parent.iterdir():
+            match = pattern.fullmatch(found.name)
+            if match is not None and not psutil.pid_exists(int(match[1])):
+                found.unlink(missing_ok=True)
 
 
 def remove_partial_files(folder: Path) -> None:

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from functools import cache
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -23,6 +24,7 @@ from oitbench.plugins import Collection
 from oitbench.scene import BLACK as NOTHING
 from oitbench.scene import WHITE, FragmentLists, Scene
 from oitbench.stability import suite
+from oitbench.stability.check import Check
 from oitbench.stability.identities import identities
 from oitbench.stability.layers import (
     BACKGROUND,
@@ -35,6 +37,7 @@ from oitbench.stability.layers import (
     scene_of,
     stack,
 )
+from oitbench.stability.result import CheckResult
 from oitbench.stability.tolerance import rounding, step, tolerance
 
 __all__ = [
@@ -151,9 +154,30 @@ def all_passes(chosen: Method) -> Iterator[Pass]:
     yield from steps.all_passes(full_plan(chosen).passes)
 
 
+def variants(names: Iterable[str]) -> list[Method]:
+    """Return all variants of some methods that the suite runs."""
+    known = collection().methods
+    texts = (suite.variants(name, known[name].parameters) for name in names)
+    return collection().expand_methods(chain.from_iterable(texts))
+
+
+def run_checks(
+    device: Device,
+    methods: Sequence[Method],
+    chosen: Sequence[Check],
+    report: Callable[[CheckResult], None] = lambda result: None,
+) -> list[CheckResult]:
+    """Run checks on methods, all of them in this process."""
+    known = {item.label: item for item in methods}
+    with suite.Examiner(device, collection()) as examiner:
+        return suite.run(
+            list(known), lambda check, label: examiner.examine(check, known[label]), chosen, report
+        )
+
+
 def keeps_promises(device: Device, *names: str) -> None:
     """Assert that each of these methods keeps all of its promises."""
-    found = suite.run(device, collection(), list(map(method, names)), identities())
+    found = run_checks(device, list(map(method, names)), identities())
     assert found
     assert not [(item.method, item.check, item.error) for item in found if item.failed]
 

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import os
+import signal
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 
-from oitbench.atomic import locked, remove_partial_files
+from oitbench.atomic import locked, remove_partial_files, replacing
 from oitbench.errors import StorageError, UsageError
 
 COUNT = """
@@ -55,3 +57,26 @@ def test_only_temporary_files_are_removed(tmp_path: Path) -> None:
         (tmp_path / name).touch()
     remove_partial_files(tmp_path)
     assert sorted(path.name for path in tmp_path.iterdir()) == names[2:]
+
+
+def test_a_later_writer_removes_what_a_killed_one_left(tmp_path: Path) -> None:
+    code = """
+import os, signal, sys
+from pathlib import Path
+from oitbench.atomic import replacing
+with replacing(Path(sys.argv[1])) as partial:
+    partial.write_text("half")
+    os.kill(os.getpid(), signal.SIGKILL)
+"""
+    target = tmp_path / "base [1].json"
+    killed = subprocess.run([sys.executable, "-c", code, str(target)])
+    assert killed.returncode == -signal.SIGKILL
+    (left,) = tmp_path.iterdir()
+    # Files of another target, and of processes that live, belong to somebody else.
+    others = [left.name.replace("base", "other"), f".base [1].{os.getppid()}.partial.json"]
+    for name in others:
+        (tmp_path / name).touch()
+    with replacing(target) as partial:
+        partial.write_text("whole")
+    assert {path.name for path in tmp_path.iterdir()} == {target.name, *others}
+    assert target.read_text() == "whole"

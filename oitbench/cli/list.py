@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +15,8 @@ from oitbench.cli import options
 from oitbench.effects import REQUESTED_BY
 from oitbench.errors import UsageError, unknown
 from oitbench.parameters import AnyParameter, text
+from oitbench.stability.check import METHOD_SECONDS
+from oitbench.workers import memory
 
 KINDS = ("methods", "scenes", "effects", "reports")
 _SINGULAR: dict[str, Kind] = {"methods": "method", "scenes": "scene", "reports": "report"}
@@ -32,7 +35,10 @@ def _read_kind(ctx: click.Context, parameter: click.Parameter, value: str | None
 @click.argument("kind", callback=_read_kind, required=False)
 @click.option("--json", "as_json", is_flag=True, help="Print the list as JSON.")
 @click.option(
-    "--measure", is_flag=True, help="Render stacks of layers with all methods; print their table."
+    "--measure",
+    is_flag=True,
+    help="Render stacks of layers with all methods; print their table. A method that crashes, or"
+    f" takes longer than {METHOD_SECONDS:g} s, is left out; the exit code is then 1.",
 )
 @options.collections
 def command(kind: str | None, as_json: bool, measure: bool, collections: tuple[Path, ...]) -> None:
@@ -59,18 +65,20 @@ def command(kind: str | None, as_json: bool, measure: bool, collections: tuple[P
 
 
 def _print_overview(collections: tuple[Path, ...], kind: str | None) -> None:
-    from oitbench.catalog.checked import load_checked
-    from oitbench.gl.device import Device
     from oitbench.stability import overview
+    from oitbench.stability.laboratory import Laboratory
 
     if kind != "methods":
         raise UsageError("--measure needs methods: oitbench list methods --measure")
-    collection = load_checked(
-        collections, lambda catalog: catalog.expand_methods(catalog.names("method"))
-    )
-    with Device() as device:
-        rows = overview.measure(device, collection.expand_methods(list(collection.methods)))
+    with Catalog(collections) as catalog:
+        methods = catalog.expand_methods(catalog.names("method"))
+        laboratory = Laboratory(catalog, methods, memory.share(1))
+    with laboratory:
+        rows = [row for method in methods for row in laboratory.overview(method.label)]
     click.echo(overview.table(rows), nl=False)
+    for label, reason in laboratory.lost.items():
+        click.echo(f"failed {label}: {reason}", err=True)
+    sys.exit(1 if laboratory.lost else 0)
 
 
 def _entries(catalog: Catalog, kind: str) -> list[dict[str, Any]]:

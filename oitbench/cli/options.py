@@ -86,7 +86,7 @@ memory = click.option(
     "memory_gib",
     metavar="GIB",
     type=float,
-    help="Memory that each worker process may use, in GiB; a cell that needs more fails."
+    help="Memory that each worker process may use, in GiB; work that needs more fails."
     " Default: 75 % of the machine's memory, divided by the number of workers.",
 )
 ssaa = click.option(

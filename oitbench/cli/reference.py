@@ -2,34 +2,41 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
 from pathlib import Path
 
 import click
 from rich.console import Console
 
-from oitbench.catalog.checked import load_checked
+from oitbench.catalog.catalog import Catalog
 from oitbench.cli import options
-from oitbench.errors import CapabilityError, UsageError
-from oitbench.path_traced.references import lookup, storage
-from oitbench.path_traced.references.check import CHECK_SPP, check, failure_folder
-from oitbench.path_traced.references.rendering import plan_rendering, render_reference
-from oitbench.path_traced.references.storage import Reference
-from oitbench.plugins import Collection
+from oitbench.errors import (
+    CapabilityError,
+    DeclarationError,
+    OitbenchError,
+    StorageError,
+    UsageError,
+)
+from oitbench.matrix.plan import CELL_SECONDS
+from oitbench.path_traced.references import storage
+from oitbench.path_traced.references.check import CHECK_SPP
+from oitbench.path_traced.references.worker import (
+    CheckReference,
+    Job,
+    ReferenceChecked,
+    ReferenceRendered,
+    RenderReference,
+    Reply,
+    Settings,
+)
+from oitbench.places import Names
+from oitbench.workers import memory
+from oitbench.workers.process import Process
 
 _SIZE = (256, 256)
 _SSAA = 2
-
-
-@dataclass(frozen=True)
-class Job:
-    """One reference to render or to check."""
-
-    scene: str
-    size: tuple[int, int]
-    ssaa: int
 
 
 @click.command("reference", short_help="Render or check the path-traced references.")
@@ -66,6 +73,11 @@ class Job:
     help="With --check: keep stale references that pass, for example after a change of a scene's"
     " file that does not change its picture.",
 )
+@options.timeout(
+    CELL_SECONDS,
+    "Seconds that each step may take: building a scene, or path tracing one sample of all pixels.",
+)
+@options.memory
 @options.collections
 @click.option(
     "-o",
@@ -83,6 +95,8 @@ def command(
     seed: int,
     checks: bool,
     adopts: bool,
+    timeout: float | None,
+    memory_gib: float | None,
     collections: tuple[Path, ...],
     output: Path | None,
 ) -> None:
@@ -91,22 +105,49 @@ def command(
     A reference is written to the folder `reference` of the collection that has the scene's file.
     With --check, no stored image is changed. Each reference is compared, pixel by pixel, with a new
     rendering of few samples and another seed. The exit code is 1 if a reference fails or is stale.
+
+    A scene that crashes, takes too long or needs too much memory costs its own references only; the
+    exit code is then 1, or 2 if nothing could be rendered or checked.
     """
     if adopts and not checks:
         raise UsageError("--adopt needs --check; give both")
+    limit = memory.limit(memory_gib, 1)
     console = Console(highlight=False, soft_wrap=True)
-    collection = load_checked(
-        collections,
-        lambda catalog: catalog.expand_scenes(
-            scenes or {info.scene for info in _stored(catalog.places.folders)}
-        ),
-    )
-    jobs = list(_jobs(collection, scenes, size, ssaa))
-    if checks:
-        results = [_check(console, collection, job, spp, output, adopts) for job in jobs]
-        sys.exit(0 if all(results) else 1)
-    for job in jobs:
-        _render(console, collection, job, spp, seed, output)
+    with Catalog(collections) as catalog:
+        jobs = list(_jobs(catalog, scenes, size, ssaa))
+    places = catalog.places
+    settings = Settings([os.fsencode(folder) for folder in places.folders])
+    well, failed = True, 0
+    with Process("oitbench.path_traced.references.worker", settings, Reply, limit) as worker:
+
+        def ask(job: Job, error: str) -> bool:
+            if error:
+                raise DeclarationError(error)
+            if checks:
+                failures = output or Path("results") / "reference_check"
+                check = CheckReference(job, spp or CHECK_SPP, os.fsencode(failures), adopts)
+                return _print_check(console, worker.ask(check, ReferenceChecked, timeout))
+            folder = output or _reference_folder(places.scenes, job.scene)
+            render = RenderReference(job, spp, seed, os.fsencode(folder))
+            done = worker.ask(render, ReferenceRendered, timeout)
+            place = folder / done.key
+            console.print(f"rendered {place}  {_noise_floor(done)}", markup=False)
+            return True
+
+        for job, error in jobs:
+            try:
+                well = ask(job, error) and well
+            except StorageError:
+                raise
+            except CapabilityError as problem:
+                # A check that is skipped is no success.
+                well = well and not checks
+                console.print(f"skipped  {problem}", style="yellow", markup=False)
+            except OitbenchError as problem:
+                failed += 1
+                reason = str(problem).removeprefix(f"scene {job.scene}: ")
+                click.echo(f"failed   {job.scene}: {reason}", err=True)
+    sys.exit(2 if failed == len(jobs) else 1 if failed or not well else 0)
 
 
 def _stored(folders: Iterable[Path]) -> list[storage.Rendering]:
@@ -119,88 +160,48 @@ def _stored(folders: Iterable[Path]) -> list[storage.Rendering]:
 
 
 def _jobs(
-    collection: Collection,
+    catalog: Catalog,
     scenes: tuple[str, ...],
     size: tuple[int, int] | None,
     ssaa: int | None,
-) -> Iterator[Job]:
-    """Yield a job for each scene and size; without a size, for each size that is stored."""
-    known = _stored(collection.folders)
-    labels = collection.expand_scenes(scenes) or list(dict.fromkeys(info.scene for info in known))
-    if not labels:
+) -> Iterator[tuple[Job, str]]:
+    """Yield a job for each scene and size; without a size, for each size that is stored.
+
+    The text with each job tells why the scene cannot be loaded, or is empty.
+    """
+    known = _stored(catalog.places.folders)
+    chosen = catalog.expand_scenes(scenes or [info.scene for info in known])
+    if not chosen:
         raise UsageError("no reference is stored yet; name a scene to render")
-    for label in labels:
-        stored = [info for info in known if info.scene == label]
+    for choice in chosen:
+        stored = [info for info in known if info.scene == choice.label]
         for pixels in [size] if size else [info.size for info in stored] or [_SIZE]:
             same = [info.ssaa for info in stored if info.size == pixels]
-            yield Job(label, pixels, ssaa or (same[0] if same else _SSAA))
+            yield Job(choice.label, pixels, ssaa or (same[0] if same else _SSAA)), choice.error
 
 
-def _render(
-    console: Console,
-    collection: Collection,
-    job: Job,
-    spp: int | None,
-    seed: int,
-    output: Path | None,
-) -> None:
-    scene = collection.build_scene(job.scene)
-    rendering = plan_rendering(scene, job.scene, job.size, job.ssaa, spp, seed)
-    try:
-        reference = render_reference(scene, rendering)
-    except CapabilityError as error:
-        console.print(f"skipped  {error}", style="yellow", markup=False)
-        return
-    folder = output or _reference_folder(collection, job.scene)
-    storage.save(folder, reference)
-    console.print(f"rendered {folder / rendering.key}  {_noise_floor(reference)}", markup=False)
-
-
-def _check(
-    console: Console,
-    collection: Collection,
-    job: Job,
-    spp: int | None,
-    output: Path | None,
-    adopts: bool,
-) -> bool:
-    scene = collection.build_scene(job.scene)
-    found = lookup.find(scene, job.scene, job.size, job.ssaa, collection.folders)
-    key = storage.reference_key(job.scene, job.size)
-    if found.message:
-        console.print(f"unusable {found.message}", style="red", markup=False)
-    reference = found.reference
-    if reference is None and adopts and found.stale is not None:
-        reference = found.stale[1]
-    if reference is None:
-        if not found.message:
-            raise UsageError(
-                f"{key}: no such reference is stored; run without --check to render it"
-            )
+def _print_check(console: Console, checked: ReferenceChecked) -> bool:
+    """Print the result of a check, and return whether all is well."""
+    if checked.unusable:
+        console.print(f"unusable {checked.unusable}", style="red", markup=False)
+    if checked.fraction is None:
         return False
-    failures = output or Path("results") / "reference_check"
-    result = check(scene, reference, failures, spp or CHECK_SPP)
-    text = f"{key}  {100 * result.fraction:.2f} % of the pixels pass"
-    if not result.passed:
-        folder = failure_folder(failures, reference)
+    text = f"{checked.key}  {100 * checked.fraction:.2f} % of the pixels pass"
+    if checked.failures:
+        folder = os.fsdecode(checked.failures)
         console.print(f"failed   {text}; see the images in {folder}", style="red", markup=False)
-        return False
-    if found.reference is None and found.stale is not None:
-        lookup.adopt(scene, *found.stale)
-        console.print(f"adopted  {text}", markup=False)
-        return True
-    console.print(f"passed   {text}", markup=False)
-    return not found.message
+    else:
+        console.print(f"{'adopted ' if checked.adopted else 'passed  '} {text}", markup=False)
+    return checked.well
 
 
-def _reference_folder(collection: Collection, label: str) -> Path:
+def _reference_folder(scenes: Names, label: str) -> Path:
     """Return where the collection that has the scene's file keeps its references."""
-    path = collection.scenes.path(label.partition("[")[0])
-    return path.parent.parent / storage.FOLDER
+    return scenes[label.partition("[")[0]].parent.parent / storage.FOLDER
 
 
-def _noise_floor(reference: Reference) -> str:
+def _noise_floor(rendered: ReferenceRendered) -> str:
     floors = (
-        f"{name} {value:.5f}" for name, value in reference.noise_floor.items() if value is not None
+        f"{name} {value:.5f}" for name, value in rendered.noise_floor.items() if value is not None
     )
     return "noise floor " + ", ".join(floors)

@@ -9,6 +9,7 @@ import click
 
 from oitbench.cli import options
 from oitbench.errors import UsageError
+from oitbench.measure.visibility import STEP_SECONDS
 
 
 def _read_pixel(ctx: click.Context, parameter: click.Parameter, value: str) -> tuple[int, int]:
@@ -38,6 +39,10 @@ def _read_pixel(ctx: click.Context, parameter: click.Parameter, value: str) -> t
     show_default=True,
     help="Folder of visibility.csv, .json, .png and .pdf.",
 )
+@options.timeout(
+    STEP_SECONDS, "Seconds that each step may take: building the scene, measuring one method."
+)
+@options.memory
 @options.collections
 def command(
     scene: str,
@@ -45,14 +50,16 @@ def command(
     methods: tuple[str, ...],
     size: tuple[int, int],
     out: Path,
+    timeout: float | None,
+    memory_gib: float | None,
     collections: tuple[Path, ...],
 ) -> None:
     """Measure the visibility curves of exact compositing and of methods at one pixel of SCENE."""
     from oitbench.catalog.catalog import Catalog
-    from oitbench.measure import visibility
+    from oitbench.measure.pixel import measure
     from oitbench.report.visibility import write
 
-    curves = visibility.measure(scene, pixel, methods, size, collections)
+    curves = measure(scene, pixel, methods, size, collections, timeout, memory_gib)
     with Catalog(collections) as catalog:
         known = catalog.names("method")
     for label, reason in curves.reasons.items():

@@ -9,6 +9,8 @@ from contextlib import suppress
 from dataclasses import dataclass, field
 from queue import Empty, Queue
 
+import msgspec
+
 from oitbench.errors import OitbenchError, StorageError
 from oitbench.matrix.cell import Cell
 from oitbench.matrix.plan import Matrix
@@ -42,6 +44,9 @@ class Rendering:
     ----------
     fresh : set of Cell
         Cells that were run.
+    unstored : dict of Cell to Record
+        Those of them that failed before their content was known. An earlier result stays in the
+        store, and its fingerprints tell later whether it is still valid.
     spent : list of dict of str to float
         Seconds by kind of work of each of them.
     """
@@ -51,6 +56,7 @@ class Rendering:
     on_record: OnRecord
     on_line: OnLine
     fresh: set[Cell] = field(default_factory=set, init=False)
+    unstored: dict[Cell, Record] = field(default_factory=dict, init=False)
     spent: list[dict[str, float]] = field(default_factory=list, init=False)
 
     def run(self, pool: list[WorkerProcess]) -> None:
@@ -98,11 +104,20 @@ class Rendering:
 
     def _take(self, cell: Cell, done: CellDone | None) -> None:
         """Store what a worker has done for a cell; None: it is kept."""
-        if done is not None:
-            self.resume.store.append(done.record)
-            self.fresh.add(cell)
-            self.spent.append(done.spent)
-        self.on_record(cell, None if done is None else done.record)
+        if done is None:
+            self.on_record(cell, None)
+            return
+        record, store = done.record, self.resume.store
+        earlier = store.find(cell.key)
+        failed = record.status in ("failed", "timeout") and record.fingerprints is None
+        if failed and earlier is not None and earlier.finished:
+            reason = f"{record.reason}; its earlier result stays in the folder"
+            record = self.unstored[cell] = msgspec.structs.replace(record, reason=reason)
+        else:
+            store.append(record)
+        self.fresh.add(cell)
+        self.spent.append(done.spent)
+        self.on_record(cell, record)
 
     def _render_scene(
         self,
@@ -111,7 +126,13 @@ class Rendering:
         finished: Queue[_Item],
         stopped: threading.Event,
     ) -> None:
-        todo = self.resume.redone(cells, lambda known: self._identify(worker, known))
+        content: dict[Cell, Fingerprints | None] = {}
+
+        def identify(known: list[Cell]) -> Sequence[Fingerprints | None]:
+            content.update(zip(known, self._identify(worker, known), strict=True))
+            return [content[cell] for cell in known]
+
+        todo = self.resume.redone(cells, identify)
         for line in describe(todo):
             finished.put(line)
         lost: WorkerError | None = None
@@ -127,6 +148,9 @@ class Rendering:
                 done = self._unanswered(cell, error)
                 # The other cells need the same part, which would fail again.
                 lost = error if error.shared else None
+            if done.record.fingerprints is None and content.get(cell) is not None:
+                known = msgspec.structs.replace(done.record, fingerprints=content[cell])
+                done = msgspec.structs.replace(done, record=known)
             finished.put((cell, done))
 
     def _identify(self, worker: WorkerProcess, cells: list[Cell]) -> Sequence[Fingerprints | None]:

@@ -13,7 +13,6 @@ import msgspec
 
 from oitbench.errors import printable
 from oitbench.matrix import machine
-from oitbench.matrix.cell import Cell
 from oitbench.matrix.plan import Matrix, plan_matrix
 from oitbench.matrix.pool import WorkerProcess
 from oitbench.matrix.rendering import OnLine, OnRecord, Rendering
@@ -158,8 +157,8 @@ def run_matrix(
             for extra in pool[1:]:
                 extra.stop()
             if matrix.preset.rounds:
-                _time_all(matrix, pool[0], store, summary, rendering.fresh, facts.cpu)
-            _count(matrix, store, summary, rendering.fresh)
+                _time_all(matrix, pool[0], store, summary, rendering, facts.cpu)
+            _count(matrix, store, summary, rendering)
             store.compact()
             summary.wall = time.perf_counter() - start
             wall = {"total": summary.wall, "rest": summary.rest, **summary.spent}
@@ -170,12 +169,12 @@ def run_matrix(
     return summary
 
 
-def _count(matrix: Matrix, store: Store, summary: Summary, fresh: set[Cell]) -> None:
-    summary.kept = len(matrix.cells) - len(fresh)
+def _count(matrix: Matrix, store: Store, summary: Summary, rendering: Rendering) -> None:
+    summary.kept = len(matrix.cells) - len(rendering.fresh)
     for cell in matrix.cells:
-        record = store.find(cell.key)
+        record = rendering.unstored.get(cell) or store.find(cell.key)
         assert record is not None
-        if cell in fresh:
+        if cell in rendering.fresh:
             summary.statuses[record.status] = summary.statuses.get(record.status, 0) + 1
         if record.status in TROUBLED:
             summary.troubled.append(record)
@@ -186,7 +185,7 @@ def _time_all(
     worker: WorkerProcess,
     store: Store,
     summary: Summary,
-    fresh: set[Cell],
+    rendering: Rendering,
     cpu: Processor | None,
 ) -> None:
     """Time the finished cells of each scene together, if one of them has no time yet."""
@@ -199,9 +198,10 @@ def _time_all(
         summary.add(reply.spent)
         return reply.timings
 
-    known = [(cell, store.find(cell.key)) for cell in matrix.cells]
+    usable = [cell for cell in matrix.cells if cell not in rendering.unstored]
+    known = [(cell, store.find(cell.key)) for cell in usable]
     pairs = [(cell, record) for cell, record in known if record is not None]
-    for scene in due_scenes(pairs, fresh, cpu, schedule):
+    for scene in due_scenes(pairs, rendering.fresh, cpu, schedule):
         for record in time_scene(scene, ask):
             store.append(record)
             if record.time is not None and record.time.block.disturbed:

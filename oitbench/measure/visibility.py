@@ -10,14 +10,12 @@ sort objects sort single fragments here, and random methods use the random numbe
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
 
-from oitbench.catalog.checked import load_checked
 from oitbench.errors import CapabilityError, UsageError
 from oitbench.gl.device import Device
 from oitbench.gl.frame import Frame, check_size
@@ -27,6 +25,8 @@ from oitbench.measure.oracle import composite, transmittances
 from oitbench.method.declaration import Method
 from oitbench.scene import Camera, Floats, FragmentLists, Scene
 
+STEP_SECONDS = 600.0
+"""Time in which the scene must be built, and each method must be measured, by default."""
 _RANDOM_ROWS = 256
 
 
@@ -152,70 +152,49 @@ def method_curve(
 
 
 def measure(
-    scene: str,
+    device: Device,
+    described: Scene,
     pixel: tuple[int, int],
-    methods: Sequence[str] = (),
-    size: tuple[int, int] = (512, 512),
-    collections: Sequence[Path] = (),
+    size: tuple[int, int],
+    chosen: Sequence[Method],
+    on_method: Callable[[str], None] = lambda label: None,
 ) -> Curves:
     """Measure the visibility curves of methods at one pixel of a scene.
 
     Parameters
     ----------
-    scene : str
-        `NAME[param=v]`.
+    device : Device
+    described : Scene
     pixel : (int, int)
         Column from the left, row from the top.
-    methods : sequence of str
-        `NAME[param=v,w]`. Default: all methods, with their defaults.
     size : (int, int)
         Width and height of the frame in pixels.
-    collections : sequence of path
-        Extra collection folders.
+    chosen : sequence of Method
+    on_method : callable
+        Called with the label of each method before it is rendered.
 
     Raises
     ------
     UsageError
         The pixel lies outside the frame, or nothing transparent is there.
     """
+    place, frame = f"{pixel[0]},{pixel[1]}", f"{size[0]}x{size[1]}"
     if not (0 <= pixel[0] < size[0] and 0 <= pixel[1] < size[1]):
-        raise UsageError(f"pixel {pixel[0]},{pixel[1]} lies outside a frame of {size[0]}x{size[1]}")
-    collection = load_checked(
-        collections,
-        lambda catalog: (
-            *catalog.expand_methods(methods or catalog.names("method")),
-            *catalog.expand_scenes([scene]),
-        ),
-    )
-    chosen = collection.expand_methods(methods or list(collection.methods))
-    described = collection.build_scene(scene)
-    with Device() as device:
-        check_size(device, size)
-        with UploadedScene(device, described) as uploaded:
-            found = probe(uploaded, size, pixel)
-        if not len(found.z):
-            raise UsageError(
-                f"{scene}: nothing transparent is at pixel {pixel[0]},{pixel[1]}"
-                f" of {size[0]}x{size[1]}; choose another"
-            )
-        return _measure_all(device, described, found, chosen, scene, pixel, size)
-
-
-def _measure_all(
-    device: Device,
-    described: Scene,
-    found: FragmentLists,
-    chosen: Sequence[Method],
-    label: str,
-    pixel: tuple[int, int],
-    size: tuple[int, int],
-) -> Curves:
+        raise UsageError(f"pixel {place} lies outside a frame of {frame}")
+    check_size(device, size)
+    with UploadedScene(device, described) as uploaded:
+        found = probe(uploaded, size, pixel)
+    if not len(found.z):
+        raise UsageError(
+            f"{described.name}: nothing transparent is at pixel {place} of {frame}; choose another"
+        )
     order = np.argsort(found.z[:, 0, 0], kind="stable")
     places = np.append(order, len(order))
     curves: dict[str, Floats] = {}
     noise: dict[str, Floats] = {}
     reasons: dict[str, str] = {}
     for method in chosen:
+        on_method(method.label)
         try:
             values, error = method_curve(device, method, found, described.camera)
         except CapabilityError as problem:
@@ -224,7 +203,7 @@ def _measure_all(
         curves[method.label], noise[method.label] = values[places], error[places]
     parts = (found.z, found.coverage, found.radiance, found.transmission)
     return Curves(
-        label,
+        described.name,
         pixel,
         size,
         FragmentLists(*(part[order] for part in parts)),

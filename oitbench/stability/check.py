@@ -16,6 +16,8 @@ from oitbench.method.declaration import Method
 from oitbench.method.promises import PROMISES
 from oitbench.scene import Scene
 
+METHOD_SECONDS = 600.0
+"""Time in which each check of a method, or its overview, must end by default."""
 Values = npt.NDArray[Any]
 
 

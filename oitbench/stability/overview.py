@@ -134,12 +134,17 @@ def _exact_layers(device: Device, methods: Sequence[Method]) -> Mapping[str, int
         finest = {method.label: _finest(uploaded, method) for method in methods}
     for count in range(1, DEEPEST + 1):
         for sortable in (True, False):
+            left = {
+                label: method
+                for label, method in finest.items()
+                if exact[label] == DEEPEST and _sorts(method) == sortable
+            }
+            if not left:
+                continue
             lists = _translucent_lists(count, sortable)
             truth = composite(lists, BACKGROUND)
             with UploadedScene(device, scene_of(lists)) as uploaded:
-                for label, method in finest.items():
-                    if exact[label] < count or _sorts(method) != sortable:
-                        continue
+                for label, method in left.items():
                     with _frame(uploaded, method) as frame:
                         frame.render()
                         error = float(np.abs(frame.image() - truth).max())

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 
@@ -11,10 +11,11 @@ import numpy as np
 
 from oitbench.errors import CapabilityError, OitbenchError
 from oitbench.gl.device import Device
+from oitbench.gl.ownership import Owner
 from oitbench.image import metrics
 from oitbench.image.files import Image
 from oitbench.method.declaration import Method
-from oitbench.parameters import grids, selector
+from oitbench.parameters import AnyParameter, grids, selector
 from oitbench.plugins import Collection
 from oitbench.results.schema import Nonfinite
 from oitbench.stability.cases import cases
@@ -34,8 +35,8 @@ def checks() -> tuple[Check, ...]:
     return (*identities(), *cases())
 
 
-def variants(collection: Collection, names: Iterable[str]) -> list[Method]:
-    """Return the variants of methods that the suite runs.
+def variants(name: str, parameters: Mapping[str, AnyParameter]) -> list[str]:
+    """Return the selectors of all variants of a method that the suite runs.
 
     These are all combinations of the grids of a method's parameters, as in the larger presets of
     `oitbench run`, and every choice of each parameter in `PRECISION_AXES` with the defaults of all
@@ -43,26 +44,22 @@ def variants(collection: Collection, names: Iterable[str]) -> list[Method]:
 
     Parameters
     ----------
-    collection : Collection
-    names : iterable of str
-        Bare names of methods.
+    name : str
+        Bare name of the method.
+    parameters : mapping of str to Parameter
     """
-    texts = []
-    for name in names:
-        parameters = collection.methods[name].parameters
-        texts.append(selector(name, grids(parameters)))
-        for key in PRECISION_AXES:
-            if key in parameters:
-                item = parameters[key]
-                choices = item.choices or item.grid or (item.default,)
-                texts.append(selector(name, {key: choices}))
-    return collection.expand_methods(texts)
+    texts = [selector(name, grids(parameters))]
+    for key in PRECISION_AXES:
+        if key in parameters:
+            item = parameters[key]
+            choices = item.choices or item.grid or (item.default,)
+            texts.append(selector(name, {key: choices}))
+    return texts
 
 
 def run(
-    device: Device,
-    collection: Collection,
-    methods: Sequence[Method],
+    methods: Sequence[str],
+    examine: Callable[[Check, str], CheckResult],
     chosen: Sequence[Check] = (),
     report: Callable[[CheckResult], None] = lambda result: None,
 ) -> list[CheckResult]:
@@ -70,10 +67,10 @@ def run(
 
     Parameters
     ----------
-    device : Device
-    collection : Collection
-        Provides the exact method.
-    methods : sequence of Method
+    methods : sequence of str
+        Labels.
+    examine : callable
+        Runs one check on the method of a label.
     chosen : sequence of Check
         Default: all checks.
     report : callable
@@ -85,16 +82,49 @@ def run(
         By method in the given order, then by check.
     """
     results = []
+    # All methods share the scenes of a check.
     for check in chosen or checks():
-        with UploadedScenes(device, check.shots) as scenes:
-            exact: list[Image | None] = [None] * len(check.shots)
-            if check.exact:
-                exact = [one.image for (one,) in scenes.render(collection.truth(), check.shots)]
-            for method in methods:
-                results.append(_examine(scenes, method, check, exact))
-                report(results[-1])
-    order = {method.label: place for place, method in enumerate(methods)}
+        for method in methods:
+            results.append(examine(check, method))
+            report(results[-1])
+    order = {label: place for place, label in enumerate(methods)}
     return sorted(results, key=lambda result: order[result.method])
+
+
+class Examiner(Owner):
+    """Runs single checks; the scenes of the last check stay on the device.
+
+    Parameters
+    ----------
+    device : Device
+    collection : Collection
+        Provides the exact method.
+    """
+
+    def __init__(self, device: Device, collection: Collection) -> None:
+        super().__init__()
+        self._device, self._collection = device, collection
+        self._check: Check | None = None
+        self._scenes: UploadedScenes
+        self._exact: Sequence[Image | None] = ()
+
+    def examine(self, check: Check, method: Method) -> CheckResult:
+        """Render the shots of a check with one method and judge the images."""
+        if check is not self._check:
+            self._prepare(check)
+        return _examine(self._scenes, method, check, self._exact)
+
+    def _prepare(self, check: Check) -> None:
+        """Upload the scenes of a check, and render the exact images if it needs them."""
+        self._check = None
+        self.release()
+        with self.building():
+            self._scenes = self.own(UploadedScenes(self._device, check.shots))
+            self._exact = [None] * len(check.shots)
+            if check.exact:
+                truth = self._scenes.render(self._collection.truth(), check.shots)
+                self._exact = [one.image for (one,) in truth]
+        self._check = check
 
 
 def _examine(

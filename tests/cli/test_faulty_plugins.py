@@ -6,8 +6,11 @@ from pathlib import Path
 
 import pytest
 
+from oitbench.path_traced.references import storage
 from oitbench.results.store import CELLS, read_cells
+from oitbench.stability import files
 from tests.cli.helpers import SMALL, Answer, spawn
+from tests.path_traced.agreement import needs_mitsuba
 
 FAULTS = {
     "exits": "import os; os._exit(7)",
@@ -82,6 +85,7 @@ def faulty(tmp_path_factory: pytest.TempPathFactory) -> Path:
     write_method(folder / "methods" / "good", 'print("hello")')
     huge = "import numpy; kept = [numpy.ones(2**27) for _ in range(24)]  # 24 GiB"
     (folder / "scenes" / "huge.py").write_text(SCENE.format(loading="", building=huge))
+    write_method(folder / "methods" / "plan_huge", planning=huge)
     (folder / "scenes" / "fine.py").write_text(SCENE.format(loading="", building="pass"))
     return folder
 
@@ -171,22 +175,66 @@ def test_a_picture_that_cannot_be_drawn_is_one_line(
     assert not (tmp_path / "x.png").exists()
 
 
+def test_stability_loses_faulty_methods_only(faulty: Path, tmp_path: Path) -> None:
+    names = ["m_crashes", *(f"plan_{name}" for name in FAULTS), "plan_huge", "good"]
+    arguments = [word for name in names for word in ("--method", name)]
+    limits = ("--timeout", "8", "--memory", "1", "--collection", str(faulty))
+    answer = spawn("stability", *arguments, *limits, "--out", str(tmp_path))
+    assert answer.code == 1, answer.err
+    lines = [line for line in answer.out.splitlines() if ": no image for " in line]
+    reasons = {line.partition(":")[0]: line for line in lines}
+    assert len(lines) == len(reasons) == 6
+    assert REASONS["crashes"] in reasons["m_crashes"]
+    assert "needs more than 1 GiB" in reasons["plan_huge"]
+    for name, reason in REASONS.items():
+        assert reason in reasons[f"plan_{name}"]
+    results = files.read(tmp_path / files.JSON)
+    good = [result for result in results if result.name == "good"]
+    assert len(good) == len(results) / len(names)
+    assert any(result.status == "holds" for result in good)
+    assert not any(result.reason for result in good if result.applies)
+
+
+@needs_mitsuba
+def test_reference_loses_faulty_scenes_only(faulty: Path, tmp_path: Path) -> None:
+    scenes = ("s_raises", *(f"build_{name}" for name in FAULTS), "huge", "fine")
+    limits = ("--timeout", "8", "--memory", "2", "--size", "8x8")
+    place = ("--collection", str(faulty), "-o", str(tmp_path))
+    answer = spawn("reference", *scenes, *limits, *place)
+    assert answer.code == 1, answer.err
+    lines = [line for line in answer.err.splitlines() if line.startswith("failed ")]
+    assert len(lines) == len(scenes) - 1
+    for name, reason in REASONS.items():
+        (line,) = [line for line in lines if f" build_{name}: " in line]
+        assert reason in line
+    assert any("huge: needs more than 2 GiB" in line for line in lines)
+    assert storage.read_manifest(tmp_path).keys() == {"fine@8x8"}
+    assert answer.out.startswith("rendered ")
+    assert spawn("reference", "fine", *limits, *place).code == 0
+
+
 @pytest.mark.parametrize(
-    "arguments",
+    ("arguments", "name"),
     [
-        ("stability", "--method", "m_exits"),
-        ("visibility", "fine", "--pixel", "4,4", "--size", "8x8", "--method", "m_exits"),
-        ("visibility", "s_exits", "--pixel", "4,4", "--size", "8x8", "--method", "good"),
-        ("reference", "s_exits", "--size", "8x8"),
+        (("stability", "--method", "m_exits"), "exits"),
+        (("visibility", "fine", "--method", "m_exits"), "exits"),
+        (("visibility", "s_exits", "--method", "good"), "exits"),
+        (("visibility", "fine", "--method", "good", "--method", "plan_crashes"), "crashes"),
+        (("visibility", "build_hangs", "--method", "good"), "hangs"),
+        (("reference", "s_exits", "--size", "8x8"), "exits"),
+        (("reference", "build_exits", "--size", "8x8"), "exits"),
     ],
 )
-def test_commands_that_run_plugins_themselves_refuse_a_file_that_exits(
-    faulty: Path, tmp_path: Path, arguments: tuple[str, ...]
+def test_a_fault_that_leaves_nothing_to_do_is_one_line(
+    faulty: Path, tmp_path: Path, arguments: tuple[str, ...], name: str
 ) -> None:
+    if arguments[0] == "visibility":
+        arguments = (*arguments, "--pixel", "4,4", "--size", "8x8")
     option = "-o" if arguments[0] == "reference" else "--out"
-    answer = spawn(*arguments, option, str(tmp_path / "out"), "--collection", str(faulty))
+    place = (option, str(tmp_path / "out"), "--collection", str(faulty))
+    answer = spawn(*arguments, *place, "--timeout", "8")
     assert (answer.code, answer.out) == (2, "")
-    assert REASONS["exits"] in answer.err.splitlines()[-1]
+    assert REASONS[name] in answer.err.splitlines()[-1]
 
 
 def test_the_page_lacks_only_faulty_sections(

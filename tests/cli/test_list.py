@@ -5,7 +5,11 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+import pytest
+
+from oitbench.catalog.catalog import Catalog
 from tests.cli.helpers import Call
+from tests.helpers import write_method
 
 
 def test_methods_scenes_and_parameters_are_listed(call: Call) -> None:
@@ -27,3 +31,14 @@ def test_a_broken_plugin_is_listed_as_such(call: Call, tmp_path: Path) -> None:
     assert answer.code == 0
     assert "cannot be loaded" in answer.out
     assert "a_buffer" in answer.out
+
+
+def test_a_method_that_ends_its_process_is_missing_in_the_measured_table(
+    call: Call, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    write_method(tmp_path / "methods" / "leaving", "__import__('os')._exit(0)")
+    monkeypatch.setattr(Catalog, "names", lambda self, kind: ["leaving", "weighted_sum"])
+    answer = call("list", "methods", "--measure", "--collection", tmp_path)
+    assert answer.code == 1
+    assert [line.split()[1] for line in answer.out.splitlines()[2:]] == ["`weighted_sum`"]
+    assert answer.err.startswith("failed leaving: the worker process ended with code 0")

@@ -12,6 +12,7 @@ import msgspec
 import pytest
 
 from oitbench.image.stored import StoredImage
+from oitbench.matrix import plan
 from oitbench.matrix.cell import Cell
 from oitbench.matrix.plan import plan_matrix
 from oitbench.matrix.resume import Resume, describe
@@ -243,3 +244,49 @@ def test_a_scene_that_cannot_be_built_any_more_fails(tmp_path: Path) -> None:
     assert [item.scene for item in summary.troubled] == ["restless"] * 2
     assert summary.exit_code == 1
     assert "unwell" in summary.troubled[0].reason
+    assert "its earlier result stays" in summary.troubled[0].reason
+    world.edit("restless", "raise ValueError('unwell')", "pass")
+    assert world.run()[0].kept == 4
+
+
+@pytest.mark.parametrize(
+    ("text", "force"),
+    [("this is no Python", False), ("this is no Python", True), ("while True: pass", False)],
+)
+def test_a_method_that_cannot_be_loaded_loses_no_earlier_result(
+    text: str, force: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(plan, "LOAD_SECONDS", 3.0)
+    world = World(tmp_path)
+    world.run(preset="quick")
+    before = world.records()
+    path = world.plugins / "methods" / "mine" / "method.py"
+    well = path.read_text()
+    path.write_text(text)
+    summary, _ = world.run(preset="quick", force=force)
+    assert summary.statuses["failed"] == 2
+    assert [item.method for item in summary.troubled] == ["mine"] * 2
+    assert all(str(path) in item.reason for item in summary.troubled)
+    assert summary.exit_code == 1
+    for scene in ("calm", "restless"):
+        assert world.records()[scene, "mine"] == before[scene, "mine"]
+        assert world.records()[scene, "weighted_sum"].status == "ok"
+    path.write_text(well)
+    summary, lines = world.run(preset="quick")
+    assert (summary.kept, summary.statuses, lines) == (4, {}, [])
+
+
+@pytest.mark.parametrize("crashes", [False, True])
+def test_a_changed_method_that_fails_replaces_its_earlier_result(
+    crashes: bool, tmp_path: Path
+) -> None:
+    world = World(tmp_path)
+    world.run()
+    world.shade("nonsense")
+    if crashes:
+        path = world.plugins / "methods" / "mine" / "method.py"
+        text = path.read_text()
+        path.write_text(text.replace("return Plan", "import os; os._exit(7); return Plan"))
+    summary, lines = world.run()
+    assert len(lines) == summary.statuses["failed"] == 2
+    assert world.records()["calm", "mine"].status == "failed"

@@ -8,11 +8,10 @@ import pytest
 
 from oitbench.gl.device import Device
 from oitbench.method.promises import promise
-from oitbench.stability import suite
 from oitbench.stability.check import Check
 from oitbench.stability.identities import identities
 from oitbench.stability.result import HOLDS, CheckResult
-from tests.helpers import collection, method
+from tests.helpers import collection, method, run_checks, variants
 
 FURTHER = (
     "a_buffer[resolve=iterative]",
@@ -92,8 +91,8 @@ def described(results: list[CheckResult]) -> list[str]:
 
 @pytest.mark.parametrize("check", identities(), ids=lambda check: check.name)
 def test_promised_identities_hold_and_others_break(device: Device, check: Check) -> None:
-    methods = [*suite.variants(collection(), collection().methods), *map(method, FURTHER)]
-    results = suite.run(device, collection(), methods, [replace(check, repeat=False)])
+    methods = [*variants(collection().methods), *map(method, FURTHER)]
+    results = run_checks(device, methods, [replace(check, repeat=False)])
     assert len(results) == len(methods)
     assert described([item for item in results if item.failed]) == []
     held = [item for item in results if item.status == HOLDS]

@@ -10,7 +10,7 @@ from oitbench.method.declaration import Method
 from oitbench.stability import suite
 from oitbench.stability.check import Check
 from oitbench.stability.result import HOLDS, CheckResult, Status
-from tests.helpers import collection, foreign_method, method, write_method
+from tests.helpers import foreign_method, method, run_checks, write_method
 
 CHECKS = {check.name: check for check in suite.checks()}
 COVERAGE = "expresses = Effect.COVERAGE\n"
@@ -20,7 +20,7 @@ def examine(device: Device, chosen: Method | str, *checks: str | Check) -> list[
     """Return the results of some checks of one method."""
     chosen = method(chosen) if isinstance(chosen, str) else chosen
     selected = [CHECKS[check] if isinstance(check, str) else check for check in checks]
-    return suite.run(device, collection(), [chosen], selected)
+    return run_checks(device, [chosen], selected)
 
 
 def writing(folder: Path, color: str) -> Method:

@@ -7,10 +7,9 @@ from pathlib import Path
 import pytest
 
 from oitbench.gl.device import Device
-from oitbench.stability import suite
 from oitbench.stability.cases import cases
 from oitbench.stability.result import BREAKS, DOES_NOT_APPLY, HOLDS
-from tests.helpers import collection
+from tests.helpers import collection, run_checks
 from tests.stability.helpers import CHECKS, examine, writing
 
 
@@ -20,7 +19,7 @@ def test_hard_cases_are_all_checks_that_are_not_identities() -> None:
 
 def test_the_exact_method_holds_everything_that_applies(device: Device) -> None:
     chosen = [check for check in CHECKS.values() if check.repeat]
-    found = suite.run(device, collection(), [collection().truth()], chosen)
+    found = run_checks(device, [collection().truth()], chosen)
     assert [result.check for result in found if result.status == BREAKS] == []
     skipped = {result.check for result in found if result.status == DOES_NOT_APPLY}
     assert skipped == {"resolution_independent", "scatter"}

@@ -12,11 +12,11 @@ import pytest
 from oitbench.gl.device import Device
 from oitbench.gl.frame import Frame
 from oitbench.gl.uploaded_scene import UploadedScene
-from oitbench.stability import render, suite
+from oitbench.stability import render
 from oitbench.stability.check import Check, Expectation, Rendering, Shot
 from oitbench.stability.layers import random_lists, scene_of
 from oitbench.stability.result import CheckResult
-from tests.helpers import collection, method
+from tests.helpers import method, run_checks
 
 
 class UnexpectedError(Exception):
@@ -98,7 +98,7 @@ def test_nothing_leaks_if_an_expectation_raises(device: Device, watch: Watch) ->
         raise UnexpectedError
 
     with pytest.raises(UnexpectedError):
-        suite.run(device, collection(), [method("a_buffer")], [check_of(expect)])
+        run_checks(device, [method("a_buffer")], [check_of(expect)])
     assert watch.alive == []
 
 
@@ -111,7 +111,7 @@ def test_nothing_leaks_if_a_frame_raises(
 
     monkeypatch.setattr(Frame, "read", fail)
     with pytest.raises(UnexpectedError):
-        suite.run(device, collection(), [method("a_buffer")], [check_of(list)])
+        run_checks(device, [method("a_buffer")], [check_of(list)])
     assert watch.alive == []
 
 
@@ -123,7 +123,7 @@ def test_nothing_leaks_if_progress_cannot_be_reported(device: Device, watch: Wat
         raise UnexpectedError
 
     with pytest.raises(UnexpectedError):
-        suite.run(device, collection(), [method("a_buffer")], [check_of(expect)], report)
+        run_checks(device, [method("a_buffer")], [check_of(expect)], report)
     assert watch.alive == []
 
 
@@ -133,6 +133,6 @@ def test_nothing_leaks_if_the_second_one_cannot_be_made(
 ) -> None:
     watch.broken = kind
     with pytest.raises(UnexpectedError):
-        suite.run(device, collection(), [method("a_buffer")], [check_of(list)])
+        run_checks(device, [method("a_buffer")], [check_of(list)])
     assert watch.made[kind] == 1
     assert watch.alive == []

@@ -10,24 +10,24 @@ import pytest
 
 from oitbench.gl.device import Device
 from oitbench.scene import WHITE
-from oitbench.stability import suite, summary
+from oitbench.stability import summary
 from oitbench.stability.cases.weights import SWEEP
 from oitbench.stability.check import Check, Expectation, Shot
 from oitbench.stability.layers import Layer, columns, scene_of
 from oitbench.stability.result import BREAKS, DOES_NOT_APPLY, HOLDS, CheckResult
-from tests.helpers import collection, foreign_method, method, write_method
+from tests.helpers import foreign_method, method, run_checks, variants, write_method
 from tests.stability.helpers import CHECKS, COVERAGE, examine, writing
 
 
 def test_all_choices_of_precision_are_variants() -> None:
-    labels = [m.label for m in suite.variants(collection(), ["weighted_blended"])]
+    labels = [m.label for m in variants(["weighted_blended"])]
     assert "weighted_blended[precision=float]" in labels
     assert "weighted_blended[weight=7]" in labels
     assert len(labels) == len(set(labels))
 
 
 def test_variants_have_a_fixed_order() -> None:
-    assert [m.label for m in suite.variants(collection(), ["weighted_average"])] == [
+    assert [m.label for m in variants(["weighted_average"])] == [
         "weighted_average",
         "weighted_average[precision=float]",
         "weighted_average[count=r32f]",
@@ -38,7 +38,7 @@ def test_results_are_sorted_by_method_and_reported_as_they_arrive(device: Device
     chosen = [CHECKS["single_layer_exact"], CHECKS["white_furnace"]]
     methods = [method("weighted_sum"), method("alpha_blend")]
     reported: list[CheckResult] = []
-    found = suite.run(device, collection(), methods, chosen, reported.append)
+    found = run_checks(device, methods, chosen, reported.append)
     assert [(item.name, item.check) for item in found] == [
         (one.name, check.name) for one in methods for check in chosen
     ]

@@ -11,14 +11,20 @@ from oitbench.image import files as images
 from oitbench.image.files import Image
 from oitbench.path_traced.references.storage import Reference
 from oitbench.path_traced.references.z_test import ZTest, z_test
-from oitbench.path_traced.trace.render import render
+from oitbench.path_traced.trace.render import Progress, render
 from oitbench.scene import Scene
 
 CHECK_SPP = 4
 """Samples of the new rendering for each sub-pixel."""
 
 
-def check(scene: Scene, reference: Reference, output: Path, spp: int = CHECK_SPP) -> ZTest:
+def check(
+    scene: Scene,
+    reference: Reference,
+    output: Path,
+    spp: int = CHECK_SPP,
+    progress: Progress | None = None,
+) -> ZTest:
     """Render a scene again, with few samples and another seed, and test it against `reference`.
 
     Parameters
@@ -30,6 +36,8 @@ def check(scene: Scene, reference: Reference, output: Path, spp: int = CHECK_SPP
         written to a folder below it, as EXR and PNG files.
     spp : int
         Samples for each sub-pixel.
+    progress : callable, optional
+        See `trace.render.Progress`.
 
     Returns
     -------
@@ -41,7 +49,7 @@ def check(scene: Scene, reference: Reference, output: Path, spp: int = CHECK_SPP
         As `trace.render.render` does.
     """
     known = reference.rendering
-    estimate = render(scene, known.size, known.ssaa, spp, known.seed + 1)
+    estimate = render(scene, known.size, known.ssaa, spp, known.seed + 1, progress)
     # The variance of the new mean follows from the stored one, which is known far better.
     variance = reference.variance * (1 + known.spp / estimate.spp)
     result = z_test(estimate.mean, reference.mean, variance)

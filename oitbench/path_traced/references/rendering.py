@@ -7,7 +7,7 @@ from oitbench.image import metrics
 from oitbench.path_traced import llvm
 from oitbench.path_traced.references.storage import Reference, Rendering
 from oitbench.path_traced.trace.path_tracer import is_random
-from oitbench.path_traced.trace.render import Estimate, render
+from oitbench.path_traced.trace.render import Estimate, Progress, render
 from oitbench.path_traced.version import TRACER
 from oitbench.scene import Scene
 
@@ -76,20 +76,29 @@ def plan_rendering(
     )
 
 
-def render_reference(scene: Scene, rendering: Rendering) -> Reference:
+def render_reference(
+    scene: Scene, rendering: Rendering, progress: Progress = lambda done, count: None
+) -> Reference:
     """Render a reference, with a progress bar on standard error.
+
+    Parameters
+    ----------
+    scene : Scene
+    rendering : Rendering
+    progress : callable
+        See `trace.render.Progress`.
 
     Raises
     ------
     UsageError, CapabilityError, SceneError
         As `trace.render.render` does.
     """
-    estimate = _render_with_bar(scene, rendering)
+    estimate = _render_with_bar(scene, rendering, progress)
     floor = noise_floor(estimate, scene.exposure)
     return Reference(rendering, floor, estimate.mean, estimate.variance)
 
 
-def _render_with_bar(scene: Scene, rendering: Rendering) -> Estimate:
+def _render_with_bar(scene: Scene, rendering: Rendering, progress: Progress) -> Estimate:
     from rich.console import Console
     from rich.progress import Progress
 
@@ -97,11 +106,16 @@ def _render_with_bar(scene: Scene, rendering: Rendering) -> Estimate:
     # In a file or a pipe, the bar would end in an empty line.
     with Progress(console=console, transient=True, disable=not console.is_terminal) as bar:
         task = bar.add_task(f"path tracing {rendering.scene}", total=None)
+
+        def advance(done: int, count: int) -> None:
+            bar.update(task, completed=done, total=count)
+            progress(done, count)
+
         return render(
             scene,
             rendering.size,
             rendering.ssaa,
             max(2, rendering.spp),
             rendering.seed,
-            lambda done, count: bar.update(task, completed=done, total=count),
+            advance,
         )

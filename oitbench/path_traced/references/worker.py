@@ -1,0 +1,156 @@
+"""The far end of a process that renders and checks references."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from pathlib import Path
+
+from msgspec import Struct
+
+from oitbench.errors import UsageError
+from oitbench.path_traced.references import lookup, storage
+from oitbench.path_traced.references.check import check, failure_folder
+from oitbench.path_traced.references.rendering import plan_rendering, render_reference
+from oitbench.path_traced.trace.render import Progress
+from oitbench.places import Places
+from oitbench.plugins import Collection
+from oitbench.scene import Scene
+from oitbench.workers.messages import Step
+from oitbench.workers.serve import OnStep, serve
+
+_BUILDING, _TRACING = Step("building the scene"), Step("path tracing the scene")
+
+
+class Settings(Struct, frozen=True):
+    """All collection folders."""
+
+    collections: list[bytes]
+
+
+class Job(Struct, frozen=True):
+    """One reference to render or to check; `scene` is a canonical label."""
+
+    scene: str
+    size: tuple[int, int]
+    ssaa: int
+
+
+class RenderReference(Struct, frozen=True, tag=True):
+    """Asks for a reference, which is stored in `folder`; see `plan_rendering`."""
+
+    job: Job
+    spp: int | None
+    seed: int
+    folder: bytes
+
+
+class CheckReference(Struct, frozen=True, tag=True):
+    """Asks for a check of a stored reference.
+
+    Images of a failed check are written below `failures`. A stale reference that passes is adopted
+    if `adopts`.
+    """
+
+    job: Job
+    spp: int
+    failures: bytes
+    adopts: bool
+
+
+class ReferenceRendered(Struct, frozen=True, tag=True):
+    """The key of the reference, and its noise floor by metric."""
+
+    key: str
+    noise_floor: dict[str, float | None]
+
+
+class ReferenceChecked(Struct, frozen=True, tag=True):
+    """The result of a check.
+
+    Parameters
+    ----------
+    key : str
+    unusable : str
+        One line on references that were found and cannot be used, or "".
+    fraction : float, optional
+        Share of the pixels that pass. None: there is no usable reference.
+    failures : bytes
+        The folder with the images of a failed check; empty if the check has passed.
+    adopted : bool
+    """
+
+    key: str
+    unusable: str
+    fraction: float | None = None
+    failures: bytes = b""
+    adopted: bool = False
+
+    @property
+    def well(self) -> bool:
+        """Whether the reference is current and has passed."""
+        passed = self.fraction is not None and not self.failures
+        return passed and (self.adopted or not self.unusable)
+
+
+Request = RenderReference | CheckReference
+Reply = ReferenceRendered | ReferenceChecked
+
+
+def _begin(settings: Settings, on_step: OnStep) -> Callable[[Request], Reply]:
+    collection = Collection(Places(map(_path, settings.collections)))
+
+    def progress(done: int, count: int) -> None:
+        # Each sample is a step, so that long renderings are not taken for endless ones.
+        on_step(_TRACING)
+
+    def answer(request: Request) -> Reply:
+        on_step(_BUILDING)
+        scene = collection.build_scene(request.job.scene)
+        on_step(_TRACING)
+        if isinstance(request, RenderReference):
+            return _render(scene, request, progress)
+        return _check(scene, request, collection.folders, progress)
+
+    return answer
+
+
+def _render(scene: Scene, request: RenderReference, progress: Progress) -> ReferenceRendered:
+    job = request.job
+    rendering = plan_rendering(scene, job.scene, job.size, job.ssaa, request.spp, request.seed)
+    reference = render_reference(scene, rendering, progress)
+    storage.save(_path(request.folder), reference)
+    return ReferenceRendered(rendering.key, reference.noise_floor)
+
+
+def _check(
+    scene: Scene, request: CheckReference, folders: list[Path], progress: Progress
+) -> ReferenceChecked:
+    job = request.job
+    found = lookup.find(scene, job.scene, job.size, job.ssaa, folders)
+    key = storage.reference_key(job.scene, job.size)
+    reference = found.reference
+    if reference is None and request.adopts and found.stale is not None:
+        reference = found.stale[1]
+    if reference is None:
+        if not found.message:
+            raise UsageError(
+                f"{key}: no such reference is stored; run without --check to render it"
+            )
+        return ReferenceChecked(key, found.message)
+    failures = _path(request.failures)
+    result = check(scene, reference, failures, request.spp, progress)
+    adopted = result.passed and found.reference is None and found.stale is not None
+    if adopted and found.stale is not None:
+        lookup.adopt(scene, *found.stale)
+    folder = b"" if result.passed else os.fsencode(failure_folder(failures, reference))
+    return ReferenceChecked(key, found.message, result.fraction, folder, adopted)
+
+
+def _path(encoded: bytes) -> Path:
+    return Path(os.fsdecode(encoded))
+
+
+def main() -> None:
+    """Serve the process that started this one."""
+    serve(Settings, Request, _begin)
