@@ -1,0 +1,73 @@
+"""Light that leaves a surface toward the eye: emission, beams and the environment."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from oitbench.path_traced.matched.environment import OpenEnvironment
+from oitbench.path_traced.matched.visibility import BeamVisibility
+from oitbench.path_traced.trace.hits import Hit
+from oitbench.path_traced.trace.lights import TracedBeam
+from oitbench.path_traced.trace.surfaces import Surfaces
+from oitbench.scene import Scene
+
+
+class Shading:
+    """The formulas of "Reflection" in CONVENTIONS.md, with true visibility and true integrals.
+
+    Parameters
+    ----------
+    mitsuba, drjit : module
+    scene : Scene
+    surfaces : Surfaces
+    environment : OpenEnvironment
+    visibility : BeamVisibility
+    """
+
+    def __init__(
+        self,
+        mitsuba: Any,
+        drjit: Any,
+        scene: Scene,
+        surfaces: Surfaces,
+        environment: OpenEnvironment,
+        visibility: BeamVisibility,
+    ) -> None:
+        self._mitsuba, self._drjit, self._has = mitsuba, drjit, surfaces.has
+        self._environment, self._visibility = environment, visibility
+        self._beams = [TracedBeam(mitsuba, drjit, light) for light in scene.beams]
+
+    def light(self, hit: Hit, active: Any) -> Any:
+        """Return α·L at `hit`, Color3f."""
+        total = self._mitsuba.Color3f(0)
+        if "glows" in self._has:
+            total += hit.layer.light
+        if self._has & {"albedo", "reflectance"}:
+            total += self._beam_light(hit, active)
+            if self._environment.lights:
+                total += hit.layer.coverage * self._environment_light(hit, active)
+        return total
+
+    def _beam_light(self, hit: Hit, active: Any) -> Any:
+        mitsuba, drjit = self._mitsuba, self._drjit
+        total = mitsuba.Color3f(0)
+        for beam in self._beams:
+            toward, distance, arriving = beam.toward(hit.si.p)
+            value = hit.scattering(drjit, toward, "reflectance" in self._has) * arriving
+            lit = active & drjit.any(value > 0)
+            line = hit.leaving(mitsuba, drjit, toward)
+            part = self._visibility.along(line, distance, lit)
+            total += drjit.select(lit, value * part, 0)
+        return total
+
+    def _environment_light(self, hit: Hit, active: Any) -> Any:
+        mitsuba, drjit, layer = self._mitsuba, self._drjit, hit.layer
+        total = mitsuba.Color3f(0)
+        if "albedo" in self._has:
+            lambert = self._environment.irradiance(hit.n) / math.pi
+            mean = drjit.select(layer.isotropic, self._environment.mean, lambert)
+            total += layer.albedo * mean
+        if "reflectance" in self._has:
+            total += self._environment.mirrored(hit, active)
+        return total
