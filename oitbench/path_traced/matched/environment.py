@@ -16,7 +16,7 @@ PATCHES = 64
 """Rows of the patches of the sphere over which radiance is integrated; twice as many columns."""
 NODES = 65
 """Rows of the table of irradiance, from straight up to straight down."""
-LOBE_SAMPLES = 64
+LOBE_SAMPLES = 512
 """Directions by which the integral over a microfacet lobe is computed."""
 _PLASTIC = 0.7548776662466927, 0.5698402909980532
 """Steps of the R₂ sequence, which covers the unit square evenly (Roberts 2018)."""
@@ -41,7 +41,8 @@ class OpenEnvironment:
     -----
     The irradiance is interpolated in a table of `NODES` rows; its error is below 0.1 % for maps
     whose features span some degrees. The lobe is sampled by its visible normals, at `LOBE_SAMPLES`
-    points that are the same everywhere.
+    points that are the same everywhere. Where the map has a bright patch of ten degrees, its error
+    stays below 3 %.
     """
 
     def __init__(

@@ -11,6 +11,7 @@ from oitbench.image.files import Image, box_downsample
 from oitbench.path_traced import llvm
 from oitbench.path_traced.export.scene import export
 from oitbench.path_traced.export.view import View
+from oitbench.path_traced.matched.branching import BranchingWalk
 from oitbench.path_traced.matched.environment import OpenEnvironment
 from oitbench.path_traced.matched.shading import Shading
 from oitbench.path_traced.matched.straight import StraightWalk
@@ -56,7 +57,8 @@ def matched(
     around = OpenEnvironment(mitsuba, drjit, scene.environment, environment)
     visibility = BeamVisibility(mitsuba, drjit, surfaces, running, caustics=False)
     shading = Shading(mitsuba, drjit, scene, surfaces, around, visibility)
-    walk: Integrator = StraightWalk(mitsuba, drjit, surfaces, shading, environment, running)
+    kind = BranchingWalk if BranchingWalk.needed(surfaces, running) else StraightWalk
+    walk: Integrator = kind(mitsuba, drjit, surfaces, shading, environment, running)
     count = view.width * view.height
     parts = [
         trace(mitsuba, walk, exported.content, view.rays(first, min(first + _CHUNK, count)), 0)

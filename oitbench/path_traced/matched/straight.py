@@ -7,7 +7,7 @@ from typing import Any
 
 from oitbench.effects import Effect
 from oitbench.path_traced.matched.shading import Shading
-from oitbench.path_traced.trace.hits import NO_FACE, Line
+from oitbench.path_traced.trace.hits import NO_FACE, Hit, Line
 from oitbench.path_traced.trace.lights import TracedEnvironment
 from oitbench.path_traced.trace.surfaces import Surfaces
 
@@ -57,29 +57,39 @@ class StraightWalk:
     ) -> None:
         self._mitsuba, self._drjit = mitsuba, drjit
         self._surfaces, self._shading, self._environment = surfaces, shading, environment
-        self._colored = Effect.COLORED_TRANSMISSION in effects
+        self._effects = effects
 
     def __call__(self, content: Any, ray: Any, seed: int) -> Any:
         """Return the radiance along `ray`."""
-        mitsuba, drjit = self._mitsuba, self._drjit
+        state = (self._start(ray), self._mitsuba.Bool(True))
+        return self._drjit.while_loop(state, lambda *v: v[1], self._advance)[0].light
+
+    def _start(self, ray: Any) -> Sight:
+        mitsuba = self._mitsuba
         o, d = mitsuba.Point3f(ray.o), mitsuba.Vector3f(ray.d)
         line = Line(o, d, mitsuba.Float(0), mitsuba.UInt32(NO_FACE))
-        sight = Sight(line, mitsuba.Color3f(0), mitsuba.Color3f(1))
-        state = (sight, mitsuba.Bool(True))
-        return drjit.while_loop(state, lambda *v: v[1], self._advance)[0].light
+        return Sight(line, mitsuba.Color3f(0), mitsuba.Color3f(1))
 
     def _advance(self, sight: Sight, active: Any) -> tuple[Sight, Any]:
         """Go on behind the next layer."""
-        mitsuba, drjit = self._mitsuba, self._drjit
+        drjit = self._drjit
         hit = self._surfaces.intersect(sight.line, active)
-        around = self._environment.radiance(sight.line.d)
-        found = drjit.select(hit.fresh, self._shading.light(hit, hit.fresh), 0)
-        found = drjit.select(active & ~hit.valid, around, found)
-        sight.light = sight.light + sight.throughput * found
-        tau = hit.layer.transmittance
-        if not self._colored:
-            tau = mitsuba.Color3f(drjit.mean(tau))
-        passed = sight.throughput * tau
-        sight.throughput = drjit.select(hit.fresh, passed, sight.throughput)
+        self._look(sight, hit, hit.fresh, active)
+        tau = self._perceived(hit.layer.transmittance)
+        sight.throughput = drjit.select(hit.fresh, sight.throughput * tau, sight.throughput)
         sight.line = sight.line.onward(drjit, hit, hit.valid)
         return sight, hit.valid & drjit.any(sight.throughput > 0)
+
+    def _look(self, sight: Sight, hit: Hit, shaded: Any, active: Any) -> None:
+        """Add the light of the surface at `hit` where `shaded`, or of the background."""
+        drjit = self._drjit
+        around = self._environment.radiance(sight.line.d)
+        found = drjit.select(shaded, self._shading.light(hit, shaded), 0)
+        found = drjit.select(active & ~hit.valid, around, found)
+        sight.light = sight.light + sight.throughput * found
+
+    def _perceived(self, transmittance: Any) -> Any:
+        """Return a transmittance as the effects that run express it."""
+        if Effect.COLORED_TRANSMISSION in self._effects:
+            return transmittance
+        return self._mitsuba.Color3f(self._drjit.mean(transmittance))

@@ -131,7 +131,8 @@ class Layer:
     absorption : Color3f
         Absorption coefficient inside a refracting solid, m⁻¹.
     spread : Float
-        Radius of the disk of slopes into which a frosted sheet scatters light, else 0.
+        Radius of the disk of slopes into which a frosted sheet scatters light, or a solid that is
+        taken for two sheets; else 0.
     """
 
     coverage: Any

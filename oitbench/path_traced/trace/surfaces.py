@@ -166,7 +166,6 @@ def _values(item: Object, texture: int) -> dict[str, npt.NDArray[np.float32]]:
     """
     material = item.material
     refracts = material.refracts and not material.opaque
-    sheet = not refracts and not material.opaque
     values: dict[str, Any] = {
         "coverage": constants_of(material)[1],
         "glows": isinstance(material.emission, Texture) or material.emission != BLACK,
@@ -180,7 +179,7 @@ def _values(item: Object, texture: int) -> dict[str, npt.NDArray[np.float32]]:
         "index": material.index,
         "facets": interface_roughness(material) if refracts else 0,
         "absorption": absorption(item) if refracts else BLACK,
-        "spread": spread(material.collimation) if sheet else 0,
+        "spread": 0 if material.opaque else spread(material.collimation),
         "texture": texture,
     }
     return {name: np.asarray(value, dtype=np.float32) for name, value in values.items()}
