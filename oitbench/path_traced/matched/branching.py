@@ -100,17 +100,13 @@ class BranchingWalk(StraightWalk):
     def __call__(self, content: Any, ray: Any, seed: int) -> Any:
         """Return the radiance along `ray`."""
         mitsuba, drjit = self._mitsuba, self._drjit
-        rng = None
-        if Effect.DIFFUSION in self._effects:
-            state = drjit.opaque(mitsuba.UInt64, seed)
-            rng = mitsuba.PCG32(size=ray.o.shape[1], initstate=state)
         stack = Stack.empty(mitsuba, drjit)
         inside, turns = mitsuba.Color3f(0), mitsuba.UInt32(0)
-        state = self._start(ray), inside, turns, stack, rng, mitsuba.Bool(True)
-        return drjit.while_loop(state, lambda *v: v[5], self._follow)[0].light
+        state = self._start(ray, seed), inside, turns, stack, mitsuba.Bool(True)
+        return drjit.while_loop(state, lambda *v: v[4], self._follow)[0].light
 
     def _follow(
-        self, sight: Sight, inside: Any, turns: Any, stack: Stack, rng: Any, active: Any
+        self, sight: Sight, inside: Any, turns: Any, stack: Stack, active: Any
     ) -> tuple[Any, ...]:
         """Go on behind the next surface, or with a branch that waits."""
         mitsuba, drjit = self._mitsuba, self._drjit
@@ -120,7 +116,8 @@ class BranchingWalk(StraightWalk):
         solid = hit.fresh & hit.layer.refracts & (Effect.REFRACTION in self._effects)
         self._look(sight, hit, hit.fresh & (hit.outside | ~solid), active)
         two = mitsuba.Point2f(0.5, 0.5)
-        if rng is not None:
+        if Effect.DIFFUSION in self._effects:
+            rng = sight.rng
             two = mitsuba.Point2f(rng.next_float32(hit.fresh), rng.next_float32(hit.fresh))
         self._pass_film(sight, inside, hit, stack, two, hit.fresh & ~solid)
         inside = self._cross(sight, inside, hit, stack, two, solid)
@@ -132,7 +129,7 @@ class BranchingWalk(StraightWalk):
         sight.throughput = drjit.select(found, branch.throughput, sight.throughput)
         inside = drjit.select(found, branch.inside, inside)
         turns = drjit.select(found, 0, turns)
-        return sight, inside, turns, stack, rng, goes_on | found
+        return sight, inside, turns, stack, goes_on | found
 
     def _pass_film(
         self, sight: Sight, inside: Any, hit: Hit, stack: Stack, two: Any, film: Any

@@ -36,6 +36,10 @@ class OpenEnvironment:
     ----------
     lights : bool
         Whether there is any light.
+    mean : Color3f
+        Mean radiance over all directions; zero without light.
+    radiance : callable
+        Maps a unit direction to the radiance that is seen in it, or to that of the background.
 
     Notes
     -----
@@ -48,8 +52,10 @@ class OpenEnvironment:
     def __init__(
         self, mitsuba: Any, drjit: Any, light: EnvironmentLight | None, traced: TracedEnvironment
     ) -> None:
-        self._mitsuba, self._drjit, self._traced = mitsuba, drjit, traced
+        self._mitsuba, self._drjit = mitsuba, drjit
+        self.radiance = traced.radiance
         self.lights = light is not None and traced.lights
+        self.mean = mitsuba.Color3f(0)
         if not self.lights or light is None:
             return
         flux, directions = patches_of(light.texels)
@@ -108,14 +114,14 @@ class OpenEnvironment:
             sl = drjit.sqrt(nl * nl * (1 - a2) + a2)
             masking = nl * (nv + sv) / drjit.maximum(nl * sv + nv * sl, 1e-8)
             weight = masking * schlick(drjit, layer.reflectance, cosine)
-            light = self._traced.radiance(drjit.normalize(frame.to_world(out)))
+            light = self.radiance(drjit.normalize(frame.to_world(out)))
             total = total + drjit.select(out.z > 0, weight * light, 0)
             return index + 1, total, active & (index + 1 < LOBE_SAMPLES)
 
         state = mitsuba.UInt32(0), mitsuba.Color3f(0), glossy
         rough = drjit.while_loop(state, lambda *v: v[2], step)[1] / LOBE_SAMPLES
         mirror = 2 * drjit.dot(hit.n, v) * hit.n - v
-        sharp = layer.fresnel * self._traced.radiance(mirror)
+        sharp = layer.fresnel * self.radiance(mirror)
         return drjit.select(a > 0, drjit.select(glossy, rough, 0), sharp)
 
 

@@ -5,10 +5,11 @@ from __future__ import annotations
 from typing import Any
 
 from oitbench.effects import Effect
+from oitbench.path_traced.matched.medium import SingleScattering
 from oitbench.path_traced.trace.hits import Hit, Line
 from oitbench.path_traced.trace.surfaces import Surfaces
 
-_CASTING = Effect.SHADOWS | Effect.TRANSLUCENT_SHADOWS
+_CASTING = Effect.SHADOWS | Effect.TRANSLUCENT_SHADOWS | Effect.CAUSTICS
 
 
 class BeamVisibility:
@@ -26,22 +27,34 @@ class BeamVisibility:
     mitsuba, drjit : module
     surfaces : Surfaces
     effects : Effect
-    caustics : bool
-        Whether photons bring the light that passes refracting solids.
+    medium : SingleScattering or None
+        The medium that dims beams on their way, if it runs.
     """
 
     def __init__(
-        self, mitsuba: Any, drjit: Any, surfaces: Surfaces, effects: Effect, caustics: bool
+        self,
+        mitsuba: Any,
+        drjit: Any,
+        surfaces: Surfaces,
+        effects: Effect,
+        medium: SingleScattering | None,
     ) -> None:
         self._mitsuba, self._drjit = mitsuba, drjit
-        self._surfaces, self._effects, self._caustics = surfaces, effects, caustics
+        self._surfaces, self._effects, self._medium = surfaces, effects, medium
         self._casts = bool(effects & _CASTING)
 
     def along(self, line: Line, limit: Any, active: Any) -> Any:
         """Return the transmittance of a line up to `limit` meters, Color3f."""
+        part = self._mitsuba.Color3f(1)
+        if self._casts:
+            part = self._through_surfaces(line, limit, active)
+        if self._medium is not None:
+            lit = active & self._drjit.any(part > 0)
+            part = part * self._medium.transmittance(line, limit, lit)
+        return part
+
+    def _through_surfaces(self, line: Line, limit: Any, active: Any) -> Any:
         drjit, mitsuba = self._drjit, self._mitsuba
-        if not self._casts:
-            return mitsuba.Color3f(1)
 
         def step(line: Line, part: Any, active: Any) -> tuple[Any, ...]:
             hit = self._surfaces.intersect(line, active, limit)
@@ -61,6 +74,6 @@ class BeamVisibility:
             through = mitsuba.Color3f(drjit.mean(through))
         if Effect.TRANSLUCENT_SHADOWS not in effects:
             through = drjit.select(drjit.mean(through) < 0.5, 1 - blocked, mitsuba.Color3f(1))
-        if self._caustics:
+        if Effect.CAUSTICS in effects:
             through = drjit.select(layer.refracts, mitsuba.Color3f(0), through)
         return drjit.select(layer.opaque, 1 - blocked, through)
