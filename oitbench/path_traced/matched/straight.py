@@ -9,6 +9,7 @@ from oitbench.effects import Effect
 from oitbench.path_traced.matched.environment import OpenEnvironment
 from oitbench.path_traced.matched.medium import SingleScattering
 from oitbench.path_traced.matched.shading import Shading
+from oitbench.path_traced.matched.visibility import FAINT
 from oitbench.path_traced.trace.hits import NO_FACE, Hit, Line
 from oitbench.path_traced.trace.surfaces import Surfaces
 
@@ -91,7 +92,7 @@ class StraightWalk:
         tau = self._perceived(hit.layer.transmittance)
         sight.throughput = drjit.select(hit.fresh, sight.throughput * tau, sight.throughput)
         sight.line = sight.line.onward(drjit, hit, hit.valid)
-        return sight, hit.valid & drjit.any(sight.throughput > 0)
+        return sight, hit.valid & drjit.any(sight.throughput > FAINT)
 
     def _look(self, sight: Sight, hit: Hit, shaded: Any, active: Any) -> None:
         """Add the light before `hit`, of its surface where `shaded`, or of the background."""

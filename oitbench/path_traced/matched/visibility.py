@@ -9,6 +9,8 @@ from oitbench.path_traced.matched.medium import SingleScattering
 from oitbench.path_traced.trace.hits import Hit, Line
 from oitbench.path_traced.trace.surfaces import Surfaces
 
+FAINT = 2.0**-16
+"""Part of the light below which a shadow ray or a line of sight is given up."""
 _CASTING = Effect.SHADOWS | Effect.TRANSLUCENT_SHADOWS | Effect.CAUSTICS
 
 
@@ -60,7 +62,7 @@ class BeamVisibility:
             hit = self._surfaces.intersect(line, active, limit)
             part = drjit.select(hit.fresh, part * self._passing(hit), part)
             line = line.onward(drjit, hit, hit.valid)
-            return line, part, hit.valid & drjit.any(part > 0)
+            return line, part, hit.valid & drjit.any(part > FAINT)
 
         state = (line, mitsuba.Color3f(1), active)
         return drjit.while_loop(state, lambda *v: v[2], step)[1]
