@@ -7,14 +7,17 @@ import math
 import numpy as np
 import pytest
 
+from oitbench.modeling.mesh import quad
 from oitbench.path_traced.export.view import View
 from oitbench.path_traced.matched.environment import irradiance_table, patches_of
 from oitbench.path_traced.trace.render import render
 from oitbench.scene import (
+    Camera,
     DirectionalLight,
     EnvironmentLight,
     Floats,
     Material,
+    Object,
     Scene,
     SpotLight,
     Texture,
@@ -112,6 +115,19 @@ def test_a_matte_surface_gathers_the_whole_sky(isotropic: bool) -> None:
     weight = 1 / (4 * math.pi) if isotropic else np.maximum(d[:, 1], 0) / math.pi
     expected = PAPER * ((weight * solid) @ radiance)
     np.testing.assert_allclose(image(scene), np.tile(expected, (30, 1)), rtol=4e-3)
+
+
+@pytest.mark.parametrize("normal", [(1, 0, 0), (-1, 0, 0), (0, 0, -1)])
+def test_a_wall_gathers_the_sky_that_it_faces(normal: tuple[int, int, int]) -> None:
+    n = np.asarray(normal, dtype=np.float64)
+    right = np.roll(n, 1)
+    mesh = quad((0, 0, 0), tuple(right), tuple(np.cross(n, right)))
+    camera = Camera(tuple(3 * n), fov_y=0.02, up=tuple(right))
+    screen = Object("wall", mesh, Material(albedo=PAPER))
+    found = image(Scene("wall", camera, (screen,), lights=(EnvironmentLight(_sky()),)))
+    d, radiance, solid = _around()
+    expected = PAPER * ((np.maximum(d @ n, 0) / math.pi * solid) @ radiance)
+    np.testing.assert_allclose(found, np.tile(expected, (30, 1)), rtol=4e-3)
 
 
 @pytest.mark.parametrize(("roughness", "allowed"), [(0.5, 0.03), (1.0, 0.03)])

@@ -97,6 +97,25 @@ def test_caustics_that_are_left_out_leave_two_sheets() -> None:
     np.testing.assert_allclose(again, bent, rtol=1e-5)
 
 
+def test_refraction_and_diffusion_are_left_out_one_by_one() -> None:
+    """Both are effects of one walk, in which the other one still runs."""
+    frosted = Material(transmission=(0.9, 0.6, 0.3), collimation=0.0)
+    clear = dataclasses.replace(frosted, collimation=1.0)
+    sheets = dataclasses.replace(GLASS, index=1.0, specular=0.04, solid=False)
+
+    def seen(pane: Material, ball: Material, left_out: Effect = Effect.NONE) -> Floats:
+        low = Object("ball", sphere((0.0, 2.0, 1.0), 1.0, 64, 32), ball)
+        scene = _behind(pane)
+        scene = dataclasses.replace(scene, objects=(*scene.objects, low))
+        return image(scene, scene.effects & ~left_out)
+
+    without = seen(frosted, GLASS, Effect.DIFFUSION)
+    np.testing.assert_array_equal(without, seen(clear, GLASS))
+    without = seen(frosted, GLASS, Effect.REFRACTION)
+    np.testing.assert_allclose(without, seen(frosted, sheets), rtol=1e-6)
+    assert not np.allclose(without, seen(frosted, GLASS), rtol=0.01)
+
+
 def test_parts_are_independent_and_repeat() -> None:
     def part(number: int) -> Floats:
         return np.asarray(
