@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from oitbench.effects import Effect
+from oitbench.errors import UsageError
 from oitbench.image.files import Image, box_downsample
 from oitbench.path_traced import llvm
 from oitbench.path_traced.export.scene import ExportedScene, export
@@ -21,7 +22,12 @@ from oitbench.path_traced.matched.shading import Shading
 from oitbench.path_traced.matched.straight import StraightWalk
 from oitbench.path_traced.matched.visibility import BeamVisibility
 from oitbench.path_traced.photons.map import CausticMap
-from oitbench.path_traced.trace.integrators import Integrator, trace
+from oitbench.path_traced.trace.integrators import (
+    Integrator,
+    require_finite_rays,
+    require_wide,
+    trace,
+)
 from oitbench.path_traced.trace.lights import TracedEnvironment
 from oitbench.path_traced.trace.medium import TracedMedium
 from oitbench.path_traced.trace.surfaces import Surfaces
@@ -72,17 +78,33 @@ def matched(
     -------
     array, shape (h, w, 3), float32
         Linear Rec.709 radiance, top row first.
+
+    Raises
+    ------
+    UsageError
+        If a side, `ssaa` or `samples` is below one.
+    CapabilityError
+        If the scene cannot be path traced, or not on this machine.
+    SceneError
+        If the radiance of a ray is not finite.
     """
+    if min(*size, ssaa, samples) < 1:
+        raise UsageError(
+            f"size {size[0]}x{size[1]}, ssaa {ssaa} and samples {samples} must be at least 1"
+        )
     running = scene.effects if effects is None else scene.effects & effects
     random = is_random(scene, running)
     scene = scene.near_origin()
     mitsuba = llvm.load()
+    require_wide(scene, mitsuba)
     view = View(scene.camera, size[0] * ssaa, size[1] * ssaa)
     stage = _Stage(mitsuba, scene, view, running, random)
     total: Any = 0.0
     count = samples if random else 1
     for sample in range(count):
-        total = total + box_downsample(stage.sample((part, sample)), ssaa)
+        image = stage.sample((part, sample))
+        require_finite_rays(scene, image)
+        total = total + box_downsample(image, ssaa)
     return np.asarray(total / count, dtype=np.float32)
 
 
