@@ -6,6 +6,7 @@ eye for the first surface. `n` is the normal on the side of `v`.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
 
 
@@ -54,6 +55,75 @@ def sample_spread(mitsuba: Any, drjit: Any, radius: Any, d: Any, two: Any) -> An
     return drjit.normalize(d + frame.s * slope.x + frame.t * slope.y)
 
 
+@dataclass(frozen=True)
+class Interface:
+    """The two ways in which light goes on at a facet of the boundary of a solid.
+
+    Parameters
+    ----------
+    reflectance : Float
+        By the Fresnel equations; one at total reflection.
+    shrink : Float
+        Ratio of the refractive indices. Its square is the factor on radiance of refracted light.
+    mirrored, refracted : Vector3f
+        Unit vectors.
+    mirrored_part, refracted_part : Float
+        Part of the light that other facets do not hide; one if the surface is smooth.
+    """
+
+    reflectance: Any
+    shrink: Any
+    mirrored: Any
+    refracted: Any
+    mirrored_part: Any
+    refracted_part: Any
+
+
+def meet_interface(
+    mitsuba: Any, drjit: Any, index: Any, alpha: Any, outward: Any, v: Any, two: Any
+) -> Interface:
+    """Return how light is reflected and refracted at a facet, which is random if it is rough.
+
+    Parameters
+    ----------
+    mitsuba, drjit : module
+    index : Float
+        Refractive index N inside.
+    alpha : Float
+        Roughness of the Beckmann microfacets; 0 for a smooth surface.
+    outward : Vector3f
+        Normal that points out of the solid.
+    v : Vector3f
+        Direction to where the path came from, on either side.
+    two : Point2f
+        Random numbers in [0, 1), which choose the facet.
+    """
+    frame = mitsuba.Frame3f(outward)
+    local = frame.to_local(v)
+    kind = mitsuba.MicrofacetType.Beckmann
+    facets = mitsuba.MicrofacetDistribution(kind, drjit.maximum(alpha, 1e-4), True)
+    normal, _ = facets.sample(drjit.mulsign(local, local.z), two)
+    normal = drjit.select(alpha > 0, normal, mitsuba.Normal3f(0, 0, 1))
+    reflectance, cosine, _, shrink = mitsuba.fresnel(drjit.dot(local, normal), index)
+    mirrored = 2 * drjit.dot(local, normal) * mitsuba.Vector3f(normal) - local
+    bent = mitsuba.refract(local, normal, cosine, shrink)
+
+    def seen(out: Any, right: Any) -> Any:
+        # Light that leaves a facet on the wrong side of the surface is lost, as in
+        # `roughdielectric`.
+        part = drjit.select(right, facets.smith_g1(out, normal), 0)
+        return drjit.select(alpha > 0, part, 1)
+
+    return Interface(
+        reflectance,
+        shrink,
+        drjit.normalize(frame.to_world(mirrored)),
+        drjit.normalize(frame.to_world(bent)),
+        seen(mirrored, local.z * mirrored.z > 0),
+        seen(bent, local.z * bent.z <= 0),
+    )
+
+
 def sample_interface(
     mitsuba: Any, drjit: Any, index: Any, alpha: Any, outward: Any, v: Any, one: Any, two: Any
 ) -> tuple[Any, Any, Any]:
@@ -82,20 +152,8 @@ def sample_interface(
     passed : Bool
         Whether the direction is the refracted one.
     """
-    frame = mitsuba.Frame3f(outward)
-    local = frame.to_local(v)
-    kind = mitsuba.MicrofacetType.Beckmann
-    facets = mitsuba.MicrofacetDistribution(kind, drjit.maximum(alpha, 1e-4), True)
-    normal, _ = facets.sample(drjit.mulsign(local, local.z), two)
-    normal = drjit.select(alpha > 0, normal, mitsuba.Normal3f(0, 0, 1))
-    part, cosine, _, shrink = mitsuba.fresnel(drjit.dot(local, normal), index)
-    passed = one >= part
-    mirrored = 2 * drjit.dot(local, normal) * mitsuba.Vector3f(normal) - local
-    bent = mitsuba.refract(local, normal, cosine, shrink)
-    out = drjit.select(passed, bent, mirrored)
-    shadowed = facets.smith_g1(out, normal)
-    # Light that leaves a facet on the wrong side of the surface is lost, as in `roughdielectric`.
-    right = (local.z * out.z > 0) ^ passed
-    weight = drjit.select(alpha > 0, drjit.select(right, shadowed, 0), 1)
-    weight *= drjit.select(passed, drjit.square(shrink), 1)
-    return drjit.normalize(frame.to_world(out)), weight, passed
+    found = meet_interface(mitsuba, drjit, index, alpha, outward, v, two)
+    passed = one >= found.reflectance
+    direction = drjit.select(passed, found.refracted, found.mirrored)
+    bent = found.refracted_part * drjit.square(found.shrink)
+    return direction, drjit.select(passed, bent, found.mirrored_part), passed

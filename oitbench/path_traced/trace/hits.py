@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+from oitbench.path_traced.optics.reflection import microfacets
+
 STEP = 6e-7
 """Advance beyond a hit, relative to the magnitudes that are added there: five float32 roundings."""
 NO_FACE = 0xFFFFFFFF
@@ -86,6 +88,25 @@ class Hit:
     outside: Any
     layer: Layer
 
+    def leaving(self, mitsuba: Any, drjit: Any, toward: Any) -> Line:
+        """Return the line that leaves the surface in the unit direction `toward`."""
+        start = STEP * drjit.max(drjit.abs(self.si.p))
+        return Line(mitsuba.Point3f(self.si.p), mitsuba.Vector3f(toward), start, self.face)
+
+    def scattering(self, drjit: Any, toward: Any, glossy: bool) -> Any:
+        """Return α times the part of light from `toward` that is scattered to the eye, sr⁻¹.
+
+        `glossy` says whether any surface has a microfacet lobe.
+        """
+        layer = self.layer
+        facing = drjit.maximum(drjit.dot(self.n, toward), 0) / drjit.pi
+        facing = drjit.select(layer.isotropic, 1 / (4 * drjit.pi), facing)
+        value = layer.albedo * facing
+        if glossy:
+            v = self.si.wi
+            value += microfacets(drjit, layer.reflectance, layer.roughness, self.n, v, toward)
+        return value * layer.coverage
+
 
 @dataclass
 class Layer:
@@ -102,14 +123,16 @@ class Layer:
         F at the angle of incidence.
     reflectance, roughness : Float
         F₀, and the square root of GGX's α.
-    isotropic, refracts : Bool
-        Whether it is a particle, or the boundary of a refracting solid.
+    opaque, isotropic, refracts : Bool
+        Whether no light passes, and whether it is a particle, or the boundary of a refracting
+        solid.
     index, facets : Float
         Refractive index, and roughness α of the Beckmann microfacets, of a refracting solid.
     absorption : Color3f
         Absorption coefficient inside a refracting solid, m⁻¹.
     spread : Float
-        Radius of the disk of slopes into which a frosted sheet scatters light, else 0.
+        Radius of the disk of slopes into which a frosted sheet scatters light, or a solid that is
+        taken for two sheets; else 0.
     """
 
     coverage: Any
@@ -119,6 +142,7 @@ class Layer:
     fresnel: Any
     reflectance: Any
     roughness: Any
+    opaque: Any
     isotropic: Any
     refracts: Any
     index: Any
@@ -130,3 +154,8 @@ class Layer:
     def passing(self) -> Any:
         """T (1 − F)(1 − albedo): the transmission t of the covered part."""
         return self.transmission * (1 - self.albedo) * (1 - self.fresnel)
+
+    @property
+    def transmittance(self) -> Any:
+        """τ = 1 − α + αt."""
+        return 1 - self.coverage + self.coverage * self.passing

@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from oitbench.effects import Effect
-from oitbench.errors import CapabilityError
+from oitbench.errors import CapabilityError, SceneError
 from oitbench.image.files import Image
 from oitbench.path_traced import llvm
 from oitbench.path_traced.export.scene import export
@@ -68,11 +68,7 @@ def prepare(
     if is_straight(scene):
         straight = Straight(mitsuba)
         return export(scene, view, mitsuba).content, lambda sample: straight
-    if mitsuba.variant().startswith("scalar"):
-        raise CapabilityError(
-            f"scene {scene.name}: lights, reflection and scattering can be path traced with LLVM "
-            f"only; {llvm.INSTALL}"
-        )
+    require_wide(scene, mitsuba)
     drjit = importlib.import_module("drjit")
     exported = export(scene, view, mitsuba)
     surfaces = Surfaces.build(mitsuba, drjit, view, exported)
@@ -86,6 +82,25 @@ def prepare(
         return PathTracer(mitsuba, scene, surfaces, caustics)
 
     return exported.content, make
+
+
+def require_wide(scene: Scene, mitsuba: ModuleType) -> None:
+    """Raise `CapabilityError` if the variant of Mitsuba traces one ray at a time."""
+    if mitsuba.variant().startswith("scalar"):
+        raise CapabilityError(
+            f"scene {scene.name}: lights, reflection and scattering can be path traced with LLVM "
+            f"only; {llvm.INSTALL}"
+        )
+
+
+def require_finite_rays(scene: Scene, image: Image) -> None:
+    """Raise `SceneError` if the radiance of a ray is not finite; `image` has shape (h, w, 3)."""
+    broken = int((~np.isfinite(image)).any(axis=-1).sum())
+    if broken:
+        raise SceneError(
+            f"scene {scene.name}: the radiance of {broken} path-traced rays is not finite; "
+            "check its materials and lights for extreme values"
+        )
 
 
 def trace(

@@ -15,8 +15,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from oitbench.path_traced.optics.reflection import microfacets
-from oitbench.path_traced.trace.hits import NO_FACE, STEP, Hit, Line
+from oitbench.path_traced.trace.hits import NO_FACE, Hit, Line
 from oitbench.path_traced.trace.lights import TracedBeam, TracedEnvironment
 from oitbench.path_traced.trace.medium import TracedMedium
 from oitbench.path_traced.trace.reservoirs import Candidate, Reservoir, Reservoirs
@@ -56,6 +55,7 @@ class LightSampler:
     ) -> None:
         self._mitsuba, self._drjit = mitsuba, drjit
         self._surfaces, self._environment, self._medium = surfaces, environment, medium
+        self._glossy = "reflectance" in surfaces.has
         self._beams = [TracedBeam(mitsuba, drjit, light) for light in scene.beams]
 
     def empty(self) -> Reservoirs:
@@ -68,13 +68,13 @@ class LightSampler:
 
     def beam_light(self, line: Line, hit: Hit, active: Any) -> Any:
         """Return α·L that all beams cause at `hit`, without random numbers."""
-        drjit = self._drjit
-        total = self._mitsuba.Color3f(0)
+        mitsuba, drjit = self._mitsuba, self._drjit
+        total = mitsuba.Color3f(0)
         for beam in self._beams:
             toward, distance, arriving = beam.toward(hit.si.p)
-            value = self._scattering(line, hit, toward) * arriving
+            value = hit.scattering(drjit, toward, self._glossy) * arriving
             lit = active & drjit.any(value > 0)
-            part = self._transmittance(self._leaving(hit, toward), distance, lit)
+            part = self._transmittance(hit.leaving(mitsuba, drjit, toward), distance, lit)
             total += drjit.select(lit, value * part, 0)
         return total
 
@@ -87,8 +87,10 @@ class LightSampler:
         beam, environment = reservoirs.surface_beam, reservoirs.environment
         for light in self._beams:
             toward, distance, arriving = light.toward(hit.si.p)
-            value = throughput * self._scattering(line, hit, toward) * arriving
-            found = Candidate(self._leaving(hit, toward), distance, value, drjit.mean(value))
+            value = throughput * hit.scattering(drjit, toward, self._glossy) * arriving
+            found = Candidate(
+                hit.leaving(mitsuba, drjit, toward), distance, value, drjit.mean(value)
+            )
             assert beam is not None
             beam, rng = beam.add(mitsuba, drjit, found, rng, active)
         if environment is not None:
@@ -118,7 +120,9 @@ class LightSampler:
         floor = mitsuba.Color3f(*[LEAST_SHARE * part for part in self._environment.mean])
         weight = drjit.mean(factor * (self._environment.radiance(d) + floor))
         infinite = mitsuba.Float(drjit.inf)
-        return Candidate(self._leaving(hit, d), infinite, mitsuba.Color3f(factor), weight), rng
+        return Candidate(
+            hit.leaving(mitsuba, drjit, d), infinite, mitsuba.Color3f(factor), weight
+        ), rng
 
     def add_medium(
         self, reservoirs: Reservoirs, line: Line, end: Any, throughput: Any, rng: Any, active: Any
@@ -145,21 +149,6 @@ class LightSampler:
             assert selected is not None
             selected, rng = selected.add(mitsuba, drjit, found, rng, crosses)
         return Reservoirs(reservoirs.surface_beam, selected, reservoirs.environment), rng
-
-    def _scattering(self, line: Line, hit: Hit, toward: Any) -> Any:
-        """Return α times the part of light from `toward` that is scattered to the eye, sr⁻¹."""
-        drjit, layer = self._drjit, hit.layer
-        facing = drjit.maximum(drjit.dot(hit.n, toward), 0) / drjit.pi
-        facing = drjit.select(layer.isotropic, 1 / (4 * drjit.pi), facing)
-        value = layer.albedo * facing
-        if "reflectance" in self._surfaces.has:
-            value += microfacets(drjit, layer.reflectance, layer.roughness, hit.n, -line.d, toward)
-        return value * layer.coverage
-
-    def _leaving(self, hit: Hit, toward: Any) -> Line:
-        mitsuba, drjit = self._mitsuba, self._drjit
-        start = STEP * drjit.max(drjit.abs(hit.si.p))
-        return Line(mitsuba.Point3f(hit.si.p), mitsuba.Vector3f(toward), start, hit.face)
 
     def _transmittance(self, line: Line, limit: Any, active: Any) -> Any:
         """Return the transmittance of all surfaces on a straight line up to `limit`."""

@@ -136,9 +136,8 @@ class PathTracer:
         if self._random:
             path = self._pass(path, hit, struck)
         else:
-            layer = hit.layer
-            tau = 1 - layer.coverage + layer.coverage * layer.passing
-            path.throughput = drjit.select(struck, path.throughput * tau, path.throughput)
+            passed = path.throughput * hit.layer.transmittance
+            path.throughput = drjit.select(struck, passed, path.throughput)
             path.line = path.line.onward(drjit, hit, struck)
         active = active & ~missed & drjit.any(path.throughput > 0)
         return self._thinned(path, reservoirs, active)

@@ -10,11 +10,16 @@ from typing import Any
 import numpy as np
 
 from oitbench.effects import Effect
-from oitbench.errors import SceneError, UsageError
+from oitbench.errors import UsageError
 from oitbench.image.files import Image, box_downsample
 from oitbench.path_traced import llvm
 from oitbench.path_traced.export.view import View
-from oitbench.path_traced.trace.integrators import Integrator, prepare, trace
+from oitbench.path_traced.trace.integrators import (
+    Integrator,
+    prepare,
+    require_finite_rays,
+    trace,
+)
 from oitbench.path_traced.trace.path_tracer import is_random
 from oitbench.scene import Scene
 
@@ -105,12 +110,7 @@ def render(
         last = min(first + shared, samples)
         for sample in range(first, last):
             image = _sample(mitsuba, integrator, content, view, (seed, sample))
-            broken = int((~np.isfinite(image)).any(axis=-1).sum())
-            if broken:
-                raise SceneError(
-                    f"scene {scene.name}: the radiance of {broken} path-traced rays is not finite; "
-                    "check its materials and lights for extreme values"
-                )
+            require_finite_rays(scene, image)
             total = total + box_downsample(image, ssaa)
             if progress is not None:
                 progress(sample + 1, samples)

@@ -126,6 +126,7 @@ class Surfaces:
             fresnel=fresnel,
             reflectance=reflectance,
             roughness=number("roughness", row, active),
+            opaque=number("opaque", row, active) > 0,
             isotropic=number("isotropic", row, active) > 0,
             refracts=number("refracts", row, active) > 0,
             index=number("index", row, active),
@@ -165,7 +166,6 @@ def _values(item: Object, texture: int) -> dict[str, npt.NDArray[np.float32]]:
     """
     material = item.material
     refracts = material.refracts and not material.opaque
-    sheet = not refracts and not material.opaque
     values: dict[str, Any] = {
         "coverage": constants_of(material)[1],
         "glows": isinstance(material.emission, Texture) or material.emission != BLACK,
@@ -173,12 +173,13 @@ def _values(item: Object, texture: int) -> dict[str, npt.NDArray[np.float32]]:
         "albedo": material.albedo,
         "reflectance": 0 if material.isotropic else material.reflectance,
         "roughness": material.roughness,
+        "opaque": material.opaque,
         "isotropic": material.isotropic,
         "refracts": refracts,
         "index": material.index,
         "facets": interface_roughness(material) if refracts else 0,
         "absorption": absorption(item) if refracts else BLACK,
-        "spread": spread(material.collimation) if sheet else 0,
+        "spread": 0 if material.opaque else spread(material.collimation),
         "texture": texture,
     }
     return {name: np.asarray(value, dtype=np.float32) for name, value in values.items()}

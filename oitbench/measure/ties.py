@@ -1,0 +1,74 @@
+"""How far the noise of a reference moves errors, and whether two methods tie in spite of it.
+
+A reference that is not free of noise is a set of independent pictures, its parts. All methods share
+them, so that a method can be better than another one by less than the noise of the reference.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from oitbench.image.files import Image
+
+Metric = Callable[[Image, Image], float]
+"""Maps an image and the truth to an error."""
+
+PARTS = 8
+"""Parts of a reference with noise."""
+LEAST_T = 2.36
+"""|t| above which a difference is clear: 95 % of Student's distribution with `PARTS` − 1 degrees of
+freedom lie within."""
+
+
+def noise_floor(parts: Sequence[Image], metric: Metric) -> float:
+    """Return the error that the noise of a reference alone causes.
+
+    It is the metric between M and M + (A − B)/2, where M is the mean of all parts, and A and B are
+    the means of either half of them: (A − B)/2 varies as M does. A single part has no noise.
+
+    Parameters
+    ----------
+    parts : sequence of array, shape (h, w, 3)
+        One, or an even number.
+    metric : Metric
+    """
+    if len(parts) == 1:
+        return 0.0
+    stacked = np.stack(parts).astype(np.float64)
+    first, second = stacked[0::2].mean(axis=0), stacked[1::2].mean(axis=0)
+    mean = stacked.mean(axis=0)
+    moved = mean + (first - second) / 2
+    return metric(moved.astype(np.float32), mean.astype(np.float32))
+
+
+def clear_difference(one: Image, other: Image, parts: Sequence[Image], metric: Metric) -> float:
+    """Return by how much the error of `one` clearly exceeds that of `other`; 0 for a tie.
+
+    The standard error of the paired difference is estimated by the jackknife: of the differences
+    against the means of all parts but one (Efron & Stein 1981). They tie unless |t| > `LEAST_T`.
+
+    Parameters
+    ----------
+    one, other : array, shape (h, w, 3)
+    parts : sequence of array, shape (h, w, 3)
+        Of a single part, which has no noise, any difference is clear.
+    metric : Metric
+    """
+    stacked = np.stack(parts).astype(np.float64)
+    count = len(stacked)
+    total = stacked.sum(axis=0)
+
+    def difference(truth: Image) -> float:
+        return metric(one, truth) - metric(other, truth)
+
+    found = difference((total / count).astype(np.float32))
+    if count == 1:
+        return found
+    left = np.array(
+        [difference(((total - part) / (count - 1)).astype(np.float32)) for part in stacked]
+    )
+    error = math.sqrt((count - 1) / count * float(((left - left.mean()) ** 2).sum()))
+    return found if abs(found) > LEAST_T * error else 0.0

@@ -1,0 +1,161 @@
+"""Rendering of a matched reference."""
+
+from __future__ import annotations
+
+import importlib
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+
+from oitbench.effects import Effect
+from oitbench.errors import UsageError
+from oitbench.image.files import Image, box_downsample
+from oitbench.path_traced import llvm
+from oitbench.path_traced.export.scene import ExportedScene, export
+from oitbench.path_traced.export.view import View
+from oitbench.path_traced.matched.branching import BranchingWalk
+from oitbench.path_traced.matched.environment import OpenEnvironment
+from oitbench.path_traced.matched.medium import SingleScattering
+from oitbench.path_traced.matched.openness import Openness
+from oitbench.path_traced.matched.shading import Shading
+from oitbench.path_traced.matched.straight import StraightWalk
+from oitbench.path_traced.matched.visibility import BeamVisibility
+from oitbench.path_traced.photons.map import CausticMap
+from oitbench.path_traced.trace.integrators import (
+    Integrator,
+    require_finite_rays,
+    require_wide,
+    trace,
+)
+from oitbench.path_traced.trace.lights import TracedEnvironment
+from oitbench.path_traced.trace.medium import TracedMedium
+from oitbench.path_traced.trace.surfaces import Surfaces
+from oitbench.scene import Scene
+
+_CHUNK = 1 << 16
+"""Rays that are traced at once."""
+_PHOTONS = 4
+"""Photons of a caustic map for each sub-pixel."""
+_RANDOM = Effect.DIFFUSION | Effect.CAUSTICS | Effect.VOLUME | Effect.AMBIENT_OCCLUSION
+
+
+def is_random(scene: Scene, effects: Effect) -> bool:
+    """Return whether a matched picture under `effects` depends on `part`.
+
+    Coverage, transmission, emission, beams, shadows, the open environment and refraction do not.
+    """
+    return bool(scene.effects & effects & _RANDOM)
+
+
+def matched(
+    scene: Scene,
+    size: tuple[int, int],
+    ssaa: int = 2,
+    effects: Effect | None = None,
+    *,
+    samples: int = 1,
+    part: int = 0,
+) -> Image:
+    """Render a scene with exactly the light transport that a set of effects stands for.
+
+    Parameters
+    ----------
+    scene : Scene
+    size : (int, int)
+        Width and height in pixels.
+    ssaa : int
+        Side of the sub-pixel grid; rays pass through the same points as in OpenGL.
+    effects : Effect, optional
+        Effects that run. Those that the scene does not request are ignored. Default: all that it
+        requests. Coverage always runs.
+    samples : int
+        Samples of each sub-pixel, if `is_random`.
+    part : int
+        Number of the picture: pictures of different numbers are independent, if `is_random`.
+
+    Returns
+    -------
+    array, shape (h, w, 3), float32
+        Linear Rec.709 radiance, top row first.
+
+    Raises
+    ------
+    UsageError
+        If a side, `ssaa` or `samples` is below one.
+    CapabilityError
+        If the scene cannot be path traced, or not on this machine.
+    SceneError
+        If the radiance of a ray is not finite.
+    """
+    if min(*size, ssaa, samples) < 1:
+        raise UsageError(
+            f"size {size[0]}x{size[1]}, ssaa {ssaa} and samples {samples} must be at least 1"
+        )
+    running = scene.effects if effects is None else scene.effects & effects
+    random = is_random(scene, running)
+    scene = scene.near_origin()
+    mitsuba = llvm.load()
+    require_wide(scene, mitsuba)
+    view = View(scene.camera, size[0] * ssaa, size[1] * ssaa)
+    stage = _Stage(mitsuba, scene, view, running, random)
+    total: Any = 0.0
+    count = samples if random else 1
+    for sample in range(count):
+        image = stage.sample((part, sample))
+        require_finite_rays(scene, image)
+        total = total + box_downsample(image, ssaa)
+    return np.asarray(total / count, dtype=np.float32)
+
+
+class _Stage:
+    """A scene that is ready to be traced under some effects."""
+
+    def __init__(
+        self, mitsuba: ModuleType, scene: Scene, view: View, effects: Effect, random: bool
+    ) -> None:
+        self._mitsuba, self._drjit = mitsuba, importlib.import_module("drjit")
+        self._scene, self._view, self._effects, self._random = scene, view, effects, random
+        self._exported: ExportedScene = export(scene, view, mitsuba)
+        self._surfaces = Surfaces.build(mitsuba, self._drjit, view, self._exported)
+        modules = mitsuba, self._drjit
+        traced = TracedEnvironment.build(*modules, scene)
+        self._environment = OpenEnvironment(*modules, scene.environment, traced)
+        self._medium = None
+        if Effect.VOLUME in effects and scene.medium is not None:
+            self._medium = SingleScattering(*modules, TracedMedium.build(*modules, scene.medium))
+        self._openness = None
+        if Effect.AMBIENT_OCCLUSION in effects:
+            radius = scene.ambient_occlusion
+            self._openness = Openness(*modules, self._surfaces, traced, radius)
+
+    def sample(self, key: tuple[int, int]) -> Image:
+        """Return one sample of each sub-pixel, shape (h, w, 3); `key` seeds random numbers."""
+        walk, view = self._walk(key), self._view
+        count = view.width * view.height
+        parts = []
+        for first in range(0, count, _CHUNK):
+            rays = view.rays(first, min(first + _CHUNK, count))
+            seed = _seed(*key, first)
+            parts.append(trace(self._mitsuba, walk, self._exported.content, rays, seed))
+        return np.concatenate(parts).reshape(view.height, view.width, 3)
+
+    def _walk(self, key: tuple[int, int]) -> Integrator:
+        modules = self._mitsuba, self._drjit
+        effects, surfaces, medium = self._effects, self._surfaces, self._medium
+        caustics = None
+        if Effect.CAUSTICS in effects:
+            photons = _PHOTONS * self._view.width * self._view.height
+            caustics = CausticMap.build(
+                *modules, self._exported.content, self._scene, photons, _seed(*key)
+            )
+        visibility = BeamVisibility(*modules, surfaces, effects, medium)
+        shading = Shading(
+            *modules, self._scene, surfaces, self._environment, visibility, self._openness, caustics
+        )
+        kind = BranchingWalk if BranchingWalk.needed(surfaces, effects) else StraightWalk
+        return kind(*modules, surfaces, shading, self._environment, effects, medium, self._random)
+
+
+def _seed(*key: int) -> int:
+    return int(np.random.SeedSequence(key).generate_state(1)[0])

@@ -1,0 +1,118 @@
+"""The walk along a straight line of sight, through all layers in order."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from oitbench.effects import Effect
+from oitbench.path_traced.matched.environment import OpenEnvironment
+from oitbench.path_traced.matched.medium import SingleScattering
+from oitbench.path_traced.matched.shading import Shading
+from oitbench.path_traced.matched.visibility import FAINT
+from oitbench.path_traced.trace.hits import NO_FACE, Hit, Line
+from oitbench.path_traced.trace.surfaces import Surfaces
+
+
+@dataclass
+class Sight:
+    """The state of a line of sight.
+
+    Parameters
+    ----------
+    line : Line
+    light : Color3f
+        Radiance found so far.
+    throughput : Color3f
+        Part of the light from ahead that reaches the eye.
+    rng : PCG32 or None
+        None if no effect needs random numbers.
+    """
+
+    line: Line
+    light: Any
+    throughput: Any
+    rng: Any
+
+
+class StraightWalk:
+    """An integrator (see `trace.integrators.Integrator`) that composites all layers exactly.
+
+    It computes C = Σᵢ αᵢ Lᵢ Πⱼ τⱼ + C₀ Πₖ τₖ, where j runs over the layers nearer than i, and draws
+    no random numbers but to shift the steps of a march and the rays of occlusion.
+
+    Parameters
+    ----------
+    mitsuba, drjit : module
+    surfaces : Surfaces
+    shading : Shading
+    environment : OpenEnvironment
+    effects : Effect
+        Without COLORED_TRANSMISSION, layers transmit the mean of the channels.
+    medium : SingleScattering or None
+        None unless it runs.
+    random : bool
+        Whether any effect needs random numbers.
+    """
+
+    def __init__(
+        self,
+        mitsuba: Any,
+        drjit: Any,
+        surfaces: Surfaces,
+        shading: Shading,
+        environment: OpenEnvironment,
+        effects: Effect,
+        medium: SingleScattering | None,
+        random: bool,
+    ) -> None:
+        self._mitsuba, self._drjit = mitsuba, drjit
+        self._surfaces, self._shading, self._environment = surfaces, shading, environment
+        self._effects, self._medium, self._random = effects, medium, random
+
+    def __call__(self, content: Any, ray: Any, seed: int) -> Any:
+        """Return the radiance along `ray`."""
+        state = (self._start(ray, seed), self._mitsuba.Bool(True))
+        return self._drjit.while_loop(state, lambda *v: v[1], self._advance)[0].light
+
+    def _start(self, ray: Any, seed: int) -> Sight:
+        mitsuba, rng = self._mitsuba, None
+        if self._random:
+            state = self._drjit.opaque(mitsuba.UInt64, seed)
+            rng = mitsuba.PCG32(size=ray.o.shape[1], initstate=state)
+        o, d = mitsuba.Point3f(ray.o), mitsuba.Vector3f(ray.d)
+        line = Line(o, d, mitsuba.Float(0), mitsuba.UInt32(NO_FACE))
+        return Sight(line, mitsuba.Color3f(0), mitsuba.Color3f(1), rng)
+
+    def _advance(self, sight: Sight, active: Any) -> tuple[Sight, Any]:
+        """Go on behind the next layer."""
+        drjit = self._drjit
+        hit = self._surfaces.intersect(sight.line, active)
+        self._look(sight, hit, hit.fresh, active)
+        tau = self._perceived(hit.layer.transmittance)
+        sight.throughput = drjit.select(hit.fresh, sight.throughput * tau, sight.throughput)
+        sight.line = sight.line.onward(drjit, hit, hit.valid)
+        return sight, hit.valid & drjit.any(sight.throughput > FAINT)
+
+    def _look(self, sight: Sight, hit: Hit, shaded: Any, active: Any) -> None:
+        """Add the light before `hit`, of its surface where `shaded`, or of the background."""
+        drjit = self._drjit
+        if self._medium is not None:
+            start = sight.rng.next_float32(active)
+            shading = self._shading
+            found, passed = self._medium.march(
+                sight.line, hit.at, shading.beams, shading.visibility.along,
+                self._environment.mean, start, active,
+            )  # fmt: skip
+            sight.light = sight.light + sight.throughput * found
+            sight.throughput = sight.throughput * passed
+        around = self._environment.radiance(sight.line.d)
+        found = drjit.select(shaded, self._shading.light(hit, sight.rng, shaded), 0)
+        found = drjit.select(active & ~hit.valid, around, found)
+        sight.light = sight.light + sight.throughput * found
+
+    def _perceived(self, transmittance: Any) -> Any:
+        """Return a transmittance as the effects that run express it."""
+        if Effect.COLORED_TRANSMISSION in self._effects:
+            return transmittance
+        return self._mitsuba.Color3f(self._drjit.mean(transmittance))
