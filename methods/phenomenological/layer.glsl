@@ -34,16 +34,17 @@ float blur_variance(float distance, float behind, float collimation, float part)
 // The same as targets can hold it: the least blur does not round to none.
 float storable(float variance) { return variance > 0.0 ? max(variance, LEAST) : 0.0; }
 
-// Where the view ray, bent at the surface, meets a plane behind it, in pixels from here.
+// Where the view ray, bent at the surface, meets a plane behind it, in pixels from here. Light that
+// leaves a solid along the view ray came, by reversibility, along the ray that the same surface bends
+// into the solid. Leaving undoes what entering did, so both offsets have the same length.
 vec2 refraction_offset(Fragment fragment, float behind) {
     if (fragment.index == 1.0) {
         return vec2(0.0);
     }
-    float eta = fragment.entering ? 1.0 / fragment.index : fragment.index;
     vec3 position = (world_to_camera * vec4(fragment.position, 1.0)).xyz;
     vec3 normal = mat3(world_to_camera) * fragment.normal;
     // GLSL gives zero where all light is reflected.
-    vec3 bent = refract(normalize(position), normal, eta);
+    vec3 bent = refract(normalize(position), normal, 1.0 / fragment.index);
     if (bent.z > -1e-3) {
         return vec2(0.0);
     }
@@ -55,5 +56,6 @@ vec2 refraction_offset(Fragment fragment, float behind) {
     vec3 target = position + reach * bent / abs(bent.z);
     // Differences first: both projections are large beside their distance.
     vec2 offset = focal_length() * (target.xy / -target.z - position.xy / -position.z);
+    offset = fragment.entering ? offset : -offset;
     return clamp(offset, vec2(-LONGEST), vec2(LONGEST));
 }

@@ -68,6 +68,38 @@ def bent(toward_eye: Floats, normal: Floats, eta: float) -> Floats:
     )
 
 
+def offset(
+    focal: float,
+    position: Floats,
+    normal: Floats,
+    index: float,
+    reach: npt.ArrayLike,
+    *,
+    entering: bool,
+) -> Floats:
+    """Return the offset (..., 2) of the background behind one surface, in pixels right and up.
+
+    Parameters
+    ----------
+    focal : float
+        Focal length, pixels.
+    position, normal : array, shape (..., 3)
+        Of the surface in camera space, meters; the normal on the side of the eye.
+    index : float
+        Of the solid that the surface bounds.
+    reach : array, shape (...)
+        Meters along the view axis from the surface to the background.
+    entering : bool
+        Whether the view ray enters the solid. Where it leaves, the ray inside is the one that the
+        surface would bend the view ray to, and the offset has the opposite sign.
+    """
+    toward_eye = -position / np.linalg.norm(position, axis=-1, keepdims=True)
+    inside = bent(toward_eye, normal, 1 / index)
+    target = position + np.asarray(reach)[..., None] * inside / np.abs(inside[..., 2:])
+    pixels = [focal * p[..., :2] / -p[..., 2:] for p in (target, position)]
+    return np.asarray(pixels[0] - pixels[1] if entering else pixels[1] - pixels[0])
+
+
 def gather(
     picture: Floats, blurs: Floats, offset: Floats, radius: int, kernel: str = "disk"
 ) -> Floats:
