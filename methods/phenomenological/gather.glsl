@@ -1,14 +1,16 @@
 // Adds one fragment to all targets, or one of particles to the small ones.
 #include "layer.glsl"
-#ifdef SMALL
-#define accum small_accum
-#define beta small_beta
-#define delta small_delta
-#define bending small_bending
-float distance_behind() { return read_small_distance(); }
+
+// Factor on the variance of the blur by a layer of alpha = 1.
+float blur_part(float coverage, float opacity) {
+#if WEIGHT == WEIGHT_OPTICAL
+    return min(optical_depth(coverage), 1.0);
+#elif WEIGHT == WEIGHT_NET
+    return opacity * opacity;
 #else
-float distance_behind() { return view_distance(read_opaque_depth()); }
+    return coverage * coverage;
 #endif
+}
 
 void gather(Fragment fragment) {
     float opacity = net_opacity(fragment);
@@ -17,8 +19,8 @@ void gather(Fragment fragment) {
     float behind = distance_behind();
     float variance = 0.0;
 #ifdef EFFECT_DIFFUSION
-    float part = WEIGHT == WEIGHT_NET ? opacity : fragment.coverage;
-    variance = storable(blur_variance(fragment.z, behind, fragment.collimation, part));
+    variance = storable(blur_variance(fragment.z, behind, fragment.collimation)
+                        * blur_part(fragment.coverage, opacity));
 #endif
     beta = modulation(1.0 - transmittance(fragment), variance);
 #ifdef EFFECT_REFRACTION

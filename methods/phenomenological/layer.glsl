@@ -1,6 +1,16 @@
 // The contribution of one layer (McGuire & Mara 2017, sections 4.3 to 4.5 and listing 1).
 #include "model.glsl"
 
+#ifdef SMALL
+#define accum small_accum
+#define beta small_beta
+#define delta small_delta
+#define bending small_bending
+float distance_behind() { return read_small_distance(); }
+#else
+float distance_behind() { return view_distance(read_opaque_depth()); }
+#endif
+
 // Focal length in pixels of the frame, also where a texel is a block of pixels.
 float focal_length() {
 #ifdef SMALL
@@ -24,12 +34,15 @@ float depth_weight(float opacity, float depth) {
 #endif
 }
 
-// Variance of the blur, in stored units: the square of equation 7, in pixels.
-float blur_variance(float distance, float behind, float collimation, float part) {
+// Variance of the blur by a layer of alpha = 1, in stored units: the square of equation 7.
+float blur_variance(float distance, float behind, float collimation) {
     float spread = 1.0 - K1 / (K1 + abs(behind - distance));
-    float blur = focal_length() * K0 * (1.0 - collimation) * part * spread / max(distance, 1e-6);
+    float blur = focal_length() * K0 * (1.0 - collimation) * spread / max(distance, 1e-6);
     return (blur / UNIT) * (blur / UNIT);
 }
+
+// Optical depth of a coverage; a coverage that rounds to one has that of the next smaller float.
+float optical_depth(float coverage) { return -log(max(1.0 - coverage, 6e-8)); }
 
 // The same as targets can hold it: the least blur does not round to none.
 float storable(float variance) { return variance > 0.0 ? max(variance, LEAST) : 0.0; }
@@ -48,8 +61,8 @@ vec2 refraction_offset(Fragment fragment, float behind) {
     if (bent.z > -1e-3) {
         return vec2(0.0);
     }
-#if REACH == REACH_PAPER
-    float reach = PAPER_REACH;
+#if REACH == REACH_FIXED
+    float reach = DZ;
 #else
     float reach = clamp(behind - fragment.z, 0.0, FARTHEST);
 #endif

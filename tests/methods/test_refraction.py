@@ -36,7 +36,7 @@ def test_offsets_follow_snell(device: Device, tilt: float, index: float, enterin
     """Both faces of a solid bend by the direction inside it; leaving undoes what entering did."""
     turned = tilt if entering else tilt + math.pi
     scene = sheet_scene(replace(CLEAR, index=index, solid=True), tilt=turned)
-    with opened(device, scene, with_parameter("reach=paper"), SIZE) as frame:
+    with opened(device, scene, with_parameter("reach=fixed"), SIZE) as frame:
         found = read(frame, "delta").astype(np.float64) * (1, -1)  # rows run down
     if not entering:
         found = -found
@@ -129,16 +129,24 @@ def test_rays_without_a_change_of_index_or_an_angle_are_not_bent(device: Device)
         assert abs(read(frame, "delta")).max() < 1e-3
 
 
-def test_rays_are_traced_to_the_background_or_over_two_meters(device: Device) -> None:
+def test_rays_are_traced_to_the_background_or_over_a_fixed_distance(device: Device) -> None:
     glass = replace(CLEAR, index=1.5, solid=True)
     offsets = {}
     for behind in (3.0, 5.0):
-        for reach in ("background", "paper"):
+        for reach in ("background", "fixed", "fixed,dz=0.5"):
             scene = sheet_scene(glass, z=2.0, behind=behind, tilt=0.5)
             with opened(device, scene, with_parameter(f"reach={reach}"), SIZE) as frame:
                 offsets[behind, reach] = read(frame, "delta")
-    np.testing.assert_array_equal(offsets[3.0, "paper"], offsets[5.0, "paper"])
+    np.testing.assert_array_equal(offsets[3.0, "fixed"], offsets[5.0, "fixed"])
     assert abs(offsets[3.0, "background"]).max() < abs(offsets[5.0, "background"]).max()
+    ray = rays(CAMERA, SIZE)
+    normal = np.array([-math.sin(0.5), 0, math.cos(0.5)])
+    position = ray * (-2.0 * normal[2] / (ray @ normal))[..., None]
+    normals = np.broadcast_to(normal, ray.shape)
+    for reach, distance in (("fixed", 2.0), ("fixed,dz=0.5", 0.5), ("background", None)):
+        far = np.full(ray.shape[:2], distance) if distance else 3.0 + position[..., 2]
+        expected = model.offset(FOCAL, position, normals, 1.5, far, entering=True)
+        np.testing.assert_allclose(offsets[3.0, reach], expected, atol=2e-4)
 
 
 @pytest.mark.parametrize("offset", ["alpha", "net", "normalized"])
