@@ -16,7 +16,8 @@ void resolve() {
         passed *= 1.0 - slice.coverage;
 #ifdef EFFECT_DIFFUSION
         // In proportion to optical depth, whatever the number of slices.
-        variance += blur_variance(slice.z, behind, medium_color.a) * optical_depth(slice.coverage);
+        variance += medium_blur_variance(slice.z, behind, medium_color.a)
+                    * optical_depth(slice.coverage);
 #endif
     }
     accum = sum;

@@ -1,14 +1,15 @@
 // Adds one fragment to all targets, or one of particles to the small ones.
 #include "layer.glsl"
 
-// Factor on the variance of the blur by a layer of alpha = 1.
-float blur_part(float coverage, float opacity) {
+// Variance of the fragment's blur, in stored units.
+float variance_of(Fragment fragment, float behind, float opacity) {
 #if WEIGHT == WEIGHT_OPTICAL
-    return min(optical_depth(coverage), 1.0);
-#elif WEIGHT == WEIGHT_NET
-    return opacity * opacity;
+    // As a part of a medium; all light that leaves a sheet of coverage one has passed it once.
+    return medium_blur_variance(fragment.z, behind, fragment.collimation)
+           * min(optical_depth(fragment.coverage), 1.0);
 #else
-    return coverage * coverage;
+    float part = WEIGHT == WEIGHT_NET ? opacity : fragment.coverage;
+    return blur_variance(fragment.z, behind, fragment.collimation) * part * part;
 #endif
 }
 
@@ -19,8 +20,7 @@ void gather(Fragment fragment) {
     float behind = distance_behind();
     float variance = 0.0;
 #ifdef EFFECT_DIFFUSION
-    variance = storable(blur_variance(fragment.z, behind, fragment.collimation)
-                        * blur_part(fragment.coverage, opacity));
+    variance = storable(variance_of(fragment, behind, opacity));
 #endif
     beta = modulation(1.0 - transmittance(fragment), variance);
 #ifdef EFFECT_REFRACTION

@@ -20,6 +20,8 @@ float focal_length() {
 #endif
 }
 
+const float AGREES = 2.5;   // m
+
 // The longest offset, pixels: beyond any picture, and some layers' sum still fits a half float.
 const float LONGEST = 8192.0;
 
@@ -38,6 +40,15 @@ float depth_weight(float opacity, float depth) {
 float blur_variance(float distance, float behind, float collimation) {
     float spread = 1.0 - K1 / (K1 + abs(behind - distance));
     float blur = focal_length() * K0 * (1.0 - collimation) * spread / max(distance, 1e-6);
+    return (blur / UNIT) * (blur / UNIT);
+}
+
+// The same for a medium, per optical depth: light spreads by slopes of one deviation at any distance.
+// Equation 7 would grow without bound toward the eye. Both agree at z = |z_B - z| = AGREES.
+float medium_blur_variance(float distance, float behind, float collimation) {
+    float gap = abs(behind - distance);
+    float slope = 2.0 * K0 / (K1 + AGREES) * (1.0 - collimation);
+    float blur = focal_length() * slope * gap / max(distance + gap, 1e-6);
     return (blur / UNIT) * (blur / UNIT);
 }
 

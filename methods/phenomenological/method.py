@@ -109,7 +109,7 @@ class Phenomenological(oit.Method):
     weight = oit.Parameter(
         "alpha",
         choices=("alpha", "net", "optical"),
-        help="of D: coverage, net opacity (clear frosted glass is sharp), or root of optical depth",
+        help="of D: coverage, net opacity, or root of optical depth by slopes as in a medium",
     )
     k0 = oit.Parameter(
         0.375, low=0.0, high=10.0, help="of the blur, meters; 0.25 follows from listing 1"

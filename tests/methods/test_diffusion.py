@@ -106,6 +106,10 @@ def test_blurs_agree_with_the_path_tracer_at_two_and_a_half_meters() -> None:
         slope = path_traced_spread(collimation) / 2
         expected = 100.0 * slope * 2.5 / (2.5 + 2.5)
         assert model.blur(100.0, collimation, 1.0, 2.5, 5.0) == pytest.approx(expected)
+        # By slopes as in a medium, they agree at all distances.
+        for z, gap in ((0.1, 9.0), (1.0, 0.3), (2.5, 2.5)):
+            expected = 100.0 * slope * gap / (z + gap)
+            assert model.medium_blur(100.0, collimation, z, z + gap) == pytest.approx(expected)
     assert collection().methods["phenomenological"].parameters["k0"].default == model.K0
 
 
@@ -136,9 +140,10 @@ def test_variances_of_layers_add(device: Device) -> None:
 
 
 def test_blur_is_weighted_by_the_chosen_rule(device: Device) -> None:
+    medium = model.medium_blur(FOCAL, 0.5, 2.0, 4.0) / model.blur(FOCAL, 0.5, 1.0, 2.0, 4.0)
     cases = (
-        ("alpha", 1.0, 1.0), ("net", 1.0, 0.25), ("optical", 1.0, 1.0),
-        ("alpha", 0.2, 0.2), ("net", 0.2, 0.05), ("optical", 0.2, np.sqrt(-np.log(0.8))),
+        ("alpha", 1.0, 1.0), ("net", 1.0, 0.25), ("optical", 1.0, medium),
+        ("alpha", 0.2, 0.2), ("net", 0.2, 0.05), ("optical", 0.2, medium * np.sqrt(-np.log(0.8))),
     )  # fmt: skip
     for weight, coverage, factor in cases:
         scene = sheet_scene(frosted(0.5, coverage=coverage, transmission=(0.75, 0.75, 0.75)))

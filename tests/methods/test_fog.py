@@ -145,14 +145,14 @@ def test_fog_blurs_as_much_as_any_number_of_planes(device: Device, count: int) -
 
 @pytest.mark.parametrize("steps", [16, 64, 512])
 def test_the_blur_of_fog_does_not_depend_on_the_number_of_steps(device: Device, steps: int) -> None:
-    """Variance is the integral of the square of equation 7 over optical depth."""
+    """Variance is an integral over optical depth."""
     scene = foggy(replace(FOG, collimation=0.3), camera=FAR_CAMERA)
     name = f"phenomenological[precision=float,steps={steps}]"
     found = targets(device, scene, name)[1][..., 3]
     count = 20000
     z = 0.8 + (np.arange(count) + 0.5) * (3.0 - 0.8) / count
     focal = SIZE[1] / 2 / math.tan(FAR_CAMERA.fov_y / 2)
-    density = phenomenological.blur(focal, 0.3, 1.0, z, 3.0) ** 2
+    density = phenomenological.medium_blur(focal, 0.3, z, 3.0) ** 2
     expected = (density * FOG.extinction * (3.0 - 0.8) / count).sum()
     np.testing.assert_allclose(found, expected, rtol=5e-3)
 

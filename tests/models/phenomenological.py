@@ -67,6 +67,14 @@ def blur(
     return np.asarray(focal * k0 * (1 - collimation) * weight * (1 - k1 / (k1 + gap)) / distance)
 
 
+def medium_blur(
+    focal: float, collimation: float, z: npt.ArrayLike, behind: npt.ArrayLike
+) -> Floats:
+    """Return D of one optical depth of a medium at distance z, in pixels."""
+    gap = np.asarray(behind, dtype=np.float64) - z
+    return np.asarray(focal * 2 * K0 / (K1 + 2.5) * (1 - collimation) * gap / (z + gap))
+
+
 def bent(toward_eye: Floats, normal: Floats, eta: float) -> Floats:
     """Return the unit directions (..., 3) of refracted rays, by Snell; NaN for total reflection."""
     cosine = (toward_eye * normal).sum(axis=-1, keepdims=True)
