@@ -21,8 +21,8 @@ least half floats.
 The path tracer spreads light behind a sheet into a uniform disk of slopes of radius (1 - c) / 2.
 Its blur has the deviation f (1 - c) g / (4 (z + g)) with the gap g = |z_B - z|. Both agree for k0 =
 z (k1 + g) / (4 (z + g)), and the default is that of z = g = 2.5 m. Nearer to the glass, equation 7
-blurs more than the path tracer, and farther from it less. The published model is
-[kernel=listing,limit=listing,k0=0.25,reach=fixed], whose disk has the radius D, and so half of the
+blurs more than the path tracer, and farther from it less. Published are
+[kernel=listing,limit=listing,k0=0.25,reach=fixed]: the disk has the radius D, and so half of the
 deviation, and 16 pixels at most at any resolution.
 
 Only effects that the scene requests are stored: 88 bits per pixel for gray coverage, 112 with
@@ -33,8 +33,12 @@ A medium is marched in one pass over the screen. Slices of its part of the view 
 planes would be in targets, and blended once. Light and density of a slice are those of one point in
 it, L = albedo (mean radiance around + sum over lights of visibility * irradiance * phase function);
 the medium's own attenuation of light on its way from a light is neglected. A slice of optical depth
-u adds u times the square of D of alpha = 1 to the variance of the blur, so that D does not depend
-on the number of slices. Planes blur as much if weight=optical.
+u adds u E^2 to the variance D^2 of the blur, so that D does not depend on the number of slices. E =
+f s (1 - c) g / (z + g) is the blur by slopes of one deviation s. Equation 7 grows without bound
+toward the eye, so that the distance of the near plane would decide on the blur of fog. s = 2 k0 /
+(k1 + 2.5 m) makes both equal at z = g = 2.5 m, and is 0.25 by default, as in the path tracer's
+sheets. With weight=optical, surfaces follow this rule too, and count as at most one optical depth:
+planes then blur as much as the fog that they stand for.
 
 Particles (`Object.particles`) and the medium can be accumulated for blocks of `subsample` pixels
 per side, in targets of their own. A joint bilateral filter spreads them over the frame before the

@@ -7,20 +7,24 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 import pytest
 
 from oitbench.effects import Effect
 from oitbench.gl.device import Device
 from oitbench.gl.frame import Frame
 from oitbench.measure.accounting import traffic
+from oitbench.measure.oracle import composite
 from oitbench.modeling.mesh import quad
 from oitbench.scene import (
     RGB,
     WHITE,
+    Array,
     Camera,
     DirectionalLight,
     EnvironmentLight,
     Floats,
+    FragmentLists,
     Light,
     Material,
     Medium,
@@ -213,6 +217,36 @@ def test_fog_composes_with_glass(device: Device, z: float) -> None:
     np.testing.assert_allclose(both[0], fog[0] + alone[0], rtol=1e-5)
     np.testing.assert_allclose(both[1][..., :3], fog[1][..., :3] * alone[1][..., :3], atol=1e-6)
     assert np.ptp(alone[1][0, 0, :3]) > 0.5
+
+
+def test_a_sheet_in_fog_keeps_its_own_light(device: Device) -> None:
+    """A known failure of one unordered pass, with the right value beside it."""
+    emission, transmission = np.array([1.0, 0.2, 0.3]), np.array([0.9, 0.5, 0.2])
+    glass = Material(transmission=(0.9, 0.5, 0.2), emission=(1.0, 0.2, 0.3), specular=0.0)
+    z, light = 1.9, np.multiply(FOG.albedo, AMBIENT)  # the middle of the fog
+    pane = Object("pane", quad((0, 0, -z), (1, 0, 0), (0, 1, 0)), glass)
+    scene = foggy(lights=(EnvironmentLight(AMBIENT),), objects=(pane,), camera=FAR_CAMERA)
+    half = math.exp(-FOG.extinction * 1.1)
+    behind = light * (1 - half) + np.multiply(BACKGROUND, half)
+    right = light * (1 - half) + half * (emission + transmission * behind)
+    fog = model.march(FAR_CAMERA, FOG, SIZE, STEPS, 3.0, (), AMBIENT).lists()
+    shape = (1, SIZE[1], SIZE[0])
+
+    def with_sheet(slices: Array, value: npt.ArrayLike) -> Array:
+        sheet = np.broadcast_to(np.asarray(value, dtype=np.float32), shape + slices.shape[3:])
+        return np.ascontiguousarray(np.concatenate([slices, sheet]))
+
+    lists = FragmentLists(
+        with_sheet(fog.z, z),
+        with_sheet(fog.coverage, 1.0),
+        with_sheet(fog.radiance, emission),
+        with_sheet(fog.transmission, transmission),
+    )
+    np.testing.assert_allclose(composite(lists, BACKGROUND)[0, 0], right, atol=1e-4)
+    expected = phenomenological.composite(lists, BACKGROUND)
+    found = render(device, scene, FLOAT, size=SIZE)
+    np.testing.assert_allclose(found, expected, atol=1e-4)
+    assert abs(found - right).max() > 0.1
 
 
 def test_fog_ends_at_an_opaque_wall(device: Device) -> None:

@@ -71,8 +71,10 @@ def medium_blur(
     focal: float, collimation: float, z: npt.ArrayLike, behind: npt.ArrayLike
 ) -> Floats:
     """Return D of one optical depth of a medium at distance z, in pixels."""
-    gap = np.asarray(behind, dtype=np.float64) - z
-    return np.asarray(focal * 2 * K0 / (K1 + 2.5) * (1 - collimation) * gap / (z + gap))
+    distance = np.asarray(z, dtype=np.float64)
+    total = np.asarray(behind, dtype=np.float64)
+    slope = 2 * K0 / (K1 + 2.5) * (1 - collimation)
+    return np.asarray(focal * slope * (total - distance) / total)
 
 
 def bent(toward_eye: Floats, normal: Floats, eta: float) -> Floats:
