@@ -138,3 +138,11 @@ def test_coarse_fog_is_blended_once_per_block(device: Device) -> None:
     with opened(device, foggy(), "phenomenological[subsample=4]", SIZE) as frame:
         moved = moved_bytes(frame, "fog small=1")
     assert moved == {"blend": 11 * blocks, "write": 11 * blocks, "read": 4 * blocks}
+
+
+def test_without_fog_and_particles_there_are_no_blocks(device: Device) -> None:
+    without = foggy().effects & ~Effect.VOLUME
+    for scene, effects in ((foggy(), without), (foggy(None), foggy(None).effects)):
+        with opened(device, scene, coarse(), SIZE, effects=effects) as frame:
+            assert not [name for name in frame.plan.targets if name.startswith("small_")]
+            assert [step.name for step in frame.plan.passes] == ["gather", "resolve"]
