@@ -64,7 +64,7 @@ parameters = {
     "extinction": Parameter(
         0.09, low=0.0, high=1.0, help="extinction coefficient at density 1, 1/m"
     ),
-    "collimation": Parameter(0.0, low=0.0, high=1.0, help="collimation of the fog; 1 for no blur"),
+    "collimation": Parameter(0.9, low=0.0, high=1.0, help="collimation of the fog; 1 for no blur"),
 }
 
 # Meters. The street runs along −z between houses at x = ±HOUSES; the road is where |x| < ROAD.

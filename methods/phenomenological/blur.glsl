@@ -1,7 +1,18 @@
 // The opaque picture: interpolated between texels, and blurred around a pixel.
-const int STRIDE = 2;   // pixels between taps
+const int STRIDE = 2;          // pixels between taps
+const float LISTING = 16.0;    // largest blur of listing 3, pixels
 
-// Radius of the disk, or deviation of the Gaussian, in pixels.
+// Radius of the kernel in standard deviations. A uniform disk of radius 2 has the deviation 1 along
+// each axis; that of listing 3 has radius 1, and so half the deviation of equation 7.
+#if KERNEL == KERNEL_GAUSSIAN
+const float CUT = 3.5;
+#elif KERNEL == KERNEL_DISK
+const float CUT = 2.0;
+#else
+const float CUT = 1.0;
+#endif
+
+// Standard deviation of the blur along an axis, in pixels.
 float blur_at(ivec2 pixel) {
 #ifdef EFFECT_DIFFUSION
     return sqrt(read_beta(pixel).a) * UNIT;
@@ -37,15 +48,15 @@ float tap_weight(float square, float blur) {
 // A tap counts only where it and the center both blur that far: sharp objects in front of a frosted
 // pane stay out of its blur.
 vec3 blurred(ivec2 center, float blur) {
-    float cut = KERNEL == KERNEL_GAUSSIAN ? 2.5 : 1.0;
-    int reach = int(min(cut * blur, float(RADIUS))) / STRIDE * STRIDE;
+    float largest = LIMIT == LIMIT_LISTING ? LISTING : RADIUS * float(frame_size.y);
+    int reach = int(min(CUT * blur, largest)) / STRIDE * STRIDE;
     vec4 sum = vec4(0.0);
     for (int y = -reach; y <= reach; y += STRIDE) {
         for (int x = -reach; x <= reach; x += STRIDE) {
             float square = float(x * x + y * y);
             ivec2 tap = within(center + ivec2(x, y));
             float there = blur_at(tap);
-            float shared_reach = cut * min(blur, there);
+            float shared_reach = CUT * min(blur, there);
             if (square <= shared_reach * shared_reach) {
                 vec3 light = read_opaque_color(tap).rgb;
                 sum += tap_weight(square, there) * vec4(light, 1.0);

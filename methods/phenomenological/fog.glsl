@@ -1,10 +1,11 @@
-// Adds the medium to all targets: the sum over slices, each as one plane would add it.
+// Adds the medium to all targets, or to the small ones: the sum over slices, each as a plane would
+// add it.
 #include "oitbench/fragment.glsl"
 #include "layer.glsl"
 #include "oitbench/march.glsl"
 
 void resolve() {
-    float behind = view_distance(read_opaque_depth());
+    float behind = distance_behind();
     Path path = path_through_medium(behind);
     vec4 sum = vec4(0.0);
     float passed = 1.0, variance = 0.0, part = jitter();
@@ -14,9 +15,11 @@ void resolve() {
         sum += weight * slice.coverage * vec4(slice.radiance, 1.0);
         passed *= 1.0 - slice.coverage;
 #ifdef EFFECT_DIFFUSION
-        variance += blur_variance(slice.z, behind, medium_color.a, slice.coverage);
+        // In proportion to optical depth, whatever the number of slices.
+        variance += medium_blur_variance(slice.z, behind, medium_color.a)
+                    * optical_depth(slice.coverage);
 #endif
     }
     accum = sum;
-    beta = modulation(vec3(1.0 - passed), variance);
+    beta = modulation(vec3(1.0 - passed), storable(variance));
 }

@@ -1,14 +1,17 @@
 // Adds one fragment to all targets, or one of particles to the small ones.
 #include "layer.glsl"
-#ifdef SMALL
-#define accum small_accum
-#define beta small_beta
-#define delta small_delta
-#define bending small_bending
-float distance_behind() { return read_small_distance(); }
+
+// Variance of the fragment's blur, in stored units.
+float variance_of(Fragment fragment, float behind, float opacity) {
+#if WEIGHT == WEIGHT_OPTICAL
+    // As a part of a medium; all light that leaves a sheet of coverage one has passed it once.
+    return medium_blur_variance(fragment.z, behind, fragment.collimation)
+           * min(optical_depth(fragment.coverage), 1.0);
 #else
-float distance_behind() { return view_distance(read_opaque_depth()); }
+    float part = WEIGHT == WEIGHT_NET ? opacity : fragment.coverage;
+    return blur_variance(fragment.z, behind, fragment.collimation) * part * part;
 #endif
+}
 
 void gather(Fragment fragment) {
     float opacity = net_opacity(fragment);
@@ -17,8 +20,7 @@ void gather(Fragment fragment) {
     float behind = distance_behind();
     float variance = 0.0;
 #ifdef EFFECT_DIFFUSION
-    float part = WEIGHT == WEIGHT_NET ? opacity : fragment.coverage;
-    variance = storable(blur_variance(fragment.z, behind, fragment.collimation, part));
+    variance = storable(variance_of(fragment, behind, opacity));
 #endif
     beta = modulation(1.0 - transmittance(fragment), variance);
 #ifdef EFFECT_REFRACTION

@@ -3,26 +3,47 @@
     A = sum w (alpha L, o),   beta = prod (1 - alpha (1 - t)),   D^2 = sum D_i^2,   d = sum d_i
     C = beta B(d, D) + (1 - beta) S A.rgb / max(A.a, 1e-5)
 
-with o = alpha (1 - mean t), w = clamp((10 (1 - 0.99 depth) o)^3, 0.01, 30), depth in the window.
-B is the opaque picture seen at an offset of d pixels and blurred over D pixels; S is
-self-modulation. For a layer at distance z before a background at z_B, f the focal length in pixels:
+with o = alpha (1 - mean t), w = clamp((10 (1 - 0.99 depth) o)^3, 0.01, 30), depth in the window. B
+is the opaque picture seen at an offset of d pixels and blurred by a kernel of standard deviation D
+pixels along each axis: a disk of radius 2 D, or a Gaussian cut at 3.5 D. S is self-modulation. For
+a layer at distance z before a background at z_B, f the focal length in pixels:
 
-    D_i = f k0 (1 - c) alpha (1 - k1 / (k1 + |z_B - z|)) / z,      k0 = 0.25 m, k1 = 0.5 m
+    D_i = f k0 (1 - c) alpha (1 - k1 / (k1 + |z_B - z|)) / z,      k0 = 0.375 m, k1 = 0.5 m
 
 and d_i is the projected offset of the point where the ray that Snell's law bends at the surface
-meets a plane behind it. Only effects that the scene requests are stored: 88 bits per pixel for gray
-coverage, 112 with diffusion and refraction. 14 bytes are blended per fragment.
+meets a plane behind it. At both faces of a solid of index N, the bent ray is the one inside, by
+reversibility: eta = 1/N. Where the view ray leaves a solid, d_i changes its sign, since leaving
+undoes what entering did. A slab that is tilted by an angle a then shifts the background by cos a' /
+(cos a cos(a - a')) times Snell's lateral shift, with sin a' = sin a / N: for glass of N = 1.5 by
+1.01 times at 10 degrees, 1.22 at 40, 1.30 at 45 and 1.80 at 60. This needs reach=background and at
+least half floats.
 
-A medium is marched in one pass over the screen. Slices of its part of the view ray, each with
-alpha = 1 - exp(-extinction * length), t = 0 and the distance of its middle, are summed in registers
-as planes would be in targets, and blended once. Light and density of a slice are those of one point
-in it, L = albedo (mean radiance around + sum over lights of visibility * irradiance * phase
-function); the medium's own attenuation of light on its way from a light is neglected.
+The path tracer spreads light behind a sheet into a uniform disk of slopes of radius (1 - c) / 2.
+Its blur has the deviation f (1 - c) g / (4 (z + g)) with the gap g = |z_B - z|. Both agree for k0 =
+z (k1 + g) / (4 (z + g)), and the default is that of z = g = 2.5 m. Nearer to the glass, equation 7
+blurs more than the path tracer, and farther from it less. Published are
+[kernel=listing,limit=listing,k0=0.25,reach=fixed]: the disk has the radius D, and so half of the
+deviation, and 16 pixels at most at any resolution.
 
-Particles (`Object.particles`) can be accumulated for blocks of `subsample` pixels per side, in
-targets of their own. A joint bilateral filter spreads them over the frame before the resolve, and
-details finer than a block are lost. Everything else, fog included, keeps the frame's resolution.
-With 1 there is no such target and no such pass.
+Only effects that the scene requests are stored: 88 bits per pixel for gray coverage, 112 with
+diffusion and refraction. 14 bytes are blended per fragment.
+
+A medium is marched in one pass over the screen. Slices of its part of the view ray, each with alpha
+= 1 - exp(-extinction * length), t = 0 and the distance of its middle, are summed in registers as
+planes would be in targets, and blended once. Light and density of a slice are those of one point in
+it, L = albedo (mean radiance around + sum over lights of visibility * irradiance * phase function);
+the medium's own attenuation of light on its way from a light is neglected. A slice of optical depth
+u adds u E^2 to the variance D^2 of the blur, so that D does not depend on the number of slices. E =
+f s (1 - c) g / (z + g) is the blur by slopes of one deviation s. Equation 7 grows without bound
+toward the eye, so that the distance of the near plane would decide on the blur of fog. s = 2 k0 /
+(k1 + 2.5 m) makes both equal at z = g = 2.5 m, and is 0.25 by default, as in the path tracer's
+sheets. With weight=optical, surfaces follow this rule too, and count as at most one optical depth:
+planes then blur as much as the fog that they stand for.
+
+Particles (`Object.particles`) and the medium can be accumulated for blocks of `subsample` pixels
+per side, in targets of their own. A joint bilateral filter spreads them over the frame before the
+resolve, and details finer than a block are lost. Everything else keeps the frame's resolution. With
+1 there is no such target and no such pass.
 
 `paper` stores A in 16 bits, and beta, D and d in 8 bits per channel. With 8 bits the smallest blur
 is 3.95 pixels, and offsets have steps of half a pixel and end at 63 pixels after each layer, so
@@ -31,10 +52,11 @@ store all targets in that format, and `float` also the final color.
 
 Source: McGuire & Mara 2017, "Phenomenological transparency", IEEE TVCG, equations 1 to 14 and
 listings 1 and 3; McGuire & Mara 2016, I3D. Where text and listings disagree: beta has no factor
-1/3; D is weighted by alpha; k1 is the text's 0.5 m, and k0 = 0.25 m is the listing's 120/63 stored
-and decoded, 381 pixel meters, over its focal lengths; f belongs into D, so that blur scales with
-resolution; variances add, not deviations; the bent ray is Snell's; offsets are encoded and decoded
-by 63 pixels; self-modulation is TVCG's, under which opaque layers keep their brightness.
+1/3; D is weighted by alpha; k1 is the text's 0.5 m; k0, which the text does not give, is chosen as
+above, and the listing's 120/63 stored and decoded, 381 pixel meters, over its focal lengths is 0.25
+m; f belongs into D, so that blur scales with resolution; variances add, not deviations; the bent
+ray is Snell's, also at faces where it leaves a solid; offsets are encoded and decoded by 63 pixels;
+self-modulation is TVCG's, under which opaque layers keep their brightness.
 
 Known failures: behind several tinted layers 8 bits resolve beta to one part in three, so S depends
 on the order of the draws. A layer of colored transmission tints its own reflection by (1 - t) / (1
@@ -42,11 +64,12 @@ on the order of the draws. A layer of colored transmission tints its own reflect
 one. Front layers of alpha = 1 do not hide the color of transparent layers behind them. Transparent
 layers do not bend or blur each other. A bend cannot show anything beyond the edge of the picture. w
 reaches its clamps beyond 86 near-plane distances, where all layers weigh the same: hair looks as in
-unordered blending, and light in near fog does not outweigh light behind it. As D weighs a slice by
-alpha and not by its root, fog blurs less the more slices it is cut into, and most near the eye;
-blurs of fog below 2.8 pixels round to none in 8 bits.
+unordered blending, and light in near fog does not outweigh light behind it. A sheet inside fog
+keeps its own light: fog in front of it attenuates the background, but not the sheet. Blurs beyond
+63 pixels end there in 8 bits.
 """
 
+from collections.abc import Mapping
 from dataclasses import replace
 
 import oitbench as oit
@@ -60,6 +83,7 @@ BACKGROUND = oit.Blend(
 """Colors attenuate the target, as they do the background; variances of blur in alpha add up."""
 GATHERED = {"accum": oit.ADD, "beta": BACKGROUND, "delta": oit.ADD, "bending": oit.ADD}
 """Blending of a layer's contribution to each target."""
+DEPTH = ("opaque_depth",)
 
 
 class Phenomenological(oit.Method):
@@ -83,13 +107,19 @@ class Phenomenological(oit.Method):
     )
     kernel = oit.Parameter(
         "disk",
-        choices=("disk", "gaussian"),
-        help="blur: disk of radius D, or Gaussian of standard deviation D cut at 2.5 D",
+        choices=("disk", "gaussian", "listing"),
+        help="blur of deviation D: disk, or Gaussian cut at 3.5 D; `listing`: disk of radius D",
     )
     weight = oit.Parameter(
         "alpha",
-        choices=("alpha", "net"),
-        help="of a layer's blur: coverage, or net opacity, by which clear frosted glass is sharp",
+        choices=("alpha", "net", "optical"),
+        help="of D: coverage, net opacity, or root of optical depth by slopes as in a medium",
+    )
+    k0 = oit.Parameter(
+        0.375, low=0.0, high=10.0, help="of the blur, meters; 0.25 follows from listing 1"
+    )
+    k1 = oit.Parameter(
+        0.5, low=0.01, high=100.0, help="of the blur, meters; 0.5 in the text, 0.05 in listing 1"
     )
     offset = oit.Parameter(
         "alpha",
@@ -98,11 +128,23 @@ class Phenomenological(oit.Method):
     )
     reach = oit.Parameter(
         "background",
-        choices=("background", "paper"),
-        help="end of a bent ray: opaque surface at the pixel, or 2 m behind the layer",
+        choices=("background", "fixed"),
+        help="end of a bent ray: opaque surface at the pixel, or `dz` behind the layer",
     )
-    radius = oit.Parameter(16, low=1, high=256, help="largest blur, pixels at any resolution")
-    subsample = oit.Parameter(1, choices=(1, 2, 4), help="side in pixels of blocks of particles")
+    dz = oit.Parameter(
+        2.0, low=0.0, high=1e4, help="reach of bent rays with reach=fixed, meters; published: 2"
+    )
+    limit = oit.Parameter(
+        "radius",
+        choices=("radius", "listing"),
+        help="largest radius of a blur: `radius`, or the listing's 16 pixels at any resolution",
+    )
+    radius = oit.Parameter(
+        0.125, low=0.0, high=1.0, help="largest radius of a blur, part of the frame's height"
+    )
+    subsample = oit.Parameter(
+        1, choices=(1, 2, 4), help="side in pixels of blocks of particles and of the medium"
+    )
     steps = oit.Parameter(
         64,
         low=1,
@@ -119,8 +161,8 @@ class Phenomenological(oit.Method):
             "single_layer_exact equal_layers_exact total_transmittance_exact zero_coverage_ignored"
             " white_furnace scales_with_radiance"
         )
-        # `radius` cuts a Gaussian off at a number of pixels.
-        kept |= oit.promise("" if self.kernel == "gaussian" else "resolution_independent")
+        # The listing cuts blurs off at a number of pixels.
+        kept |= oit.promise("" if self.limit == "listing" else "resolution_independent")
         # The hue of a beta in 8 bits depends on the order in which it was rounded.
         coarse = self.precision == "paper" and self.modulation != "none"
         return kept | oit.promise("" if coarse else "order_independent")
@@ -146,25 +188,25 @@ class Phenomenological(oit.Method):
     def plan(self, request: oit.Request) -> oit.Plan:
         targets = self._targets(request.effects)
         color = oit.Target("rgba32f" if self.precision == "float" else "rgba16f")
-        depth, mixed = ("opaque_depth",), request.particles and self.subsample > 1
+        marches, coarse = oit.Effect.VOLUME in request.effects, self.subsample > 1
+        apart = coarse and request.particles
         writes = {name: GATHERED[name] for name in targets}
-        objects = oit.Objects.OTHERS if mixed else oit.Objects.ALL
-        gather = oit.Gather("gather.glsl", reads=depth, writes=writes, objects=objects)
-        gathers = (gather,) if request.others or not mixed else ()
-        march = oit.Resolve("fog.glsl", reads=depth, writes={"accum": oit.ADD, "beta": BACKGROUND})
+        objects = oit.Objects.OTHERS if apart else oit.Objects.ALL
+        gather = oit.Gather("gather.glsl", reads=DEPTH, writes=writes, objects=objects)
+        gathers = (gather,) if request.others or not apart else ()
         resolve = oit.Resolve(
             "resolve.glsl", reads=(*targets, "opaque_color"), writes={"color": oit.REPLACE}
         )
-        fog = (march,) if oit.Effect.VOLUME in request.effects else ()
-        if not mixed:
-            return oit.Plan({**targets, "color": color}, (*gathers, *fog, resolve))
-        small = {f"small_{name}": GATHERED[name] for name in targets}
+        if not (apart or (coarse and marches)):
+            march = (_march(DEPTH),) if marches else ()
+            return oit.Plan({**targets, "color": color}, (*gathers, *march, resolve))
         shrink = oit.Resolve(
             "shrink_depth.glsl",
-            reads=depth,
+            reads=DEPTH,
             writes={"small_distance": oit.REPLACE},
-            depth="small_depth",
+            depth="small_depth" if apart else None,
         )
+        small = {f"small_{name}": blend for name, blend in writes.items()}
         particles = oit.Gather(
             "gather.glsl",
             reads=("small_distance",),
@@ -174,12 +216,22 @@ class Phenomenological(oit.Method):
             defines={"SMALL": 1},
             objects=oit.Objects.PARTICLES,
         )
+        march = (_march(("small_distance",), "small_", {"SMALL": 1}),) if marches else ()
         spread = oit.Resolve(
-            "upsample.glsl", reads=(*small, "small_distance", *depth), writes=writes
+            "upsample.glsl", reads=(*small, "small_distance", *DEPTH), writes=writes
         )
-        extra = {
-            "distance": oit.Target("r32f"), "depth": oit.Target("depth32f"), **targets
-        }  # fmt: skip
-        blocks = {f"small_{k}": replace(t, subsample=self.subsample) for k, t in extra.items()}
-        steps = (shrink, particles, *gathers, *fog, spread, resolve)
+        blocks = {"distance": oit.Target("r32f"), **targets}
+        if apart:
+            blocks["depth"] = oit.Target("depth32f")
+        blocks = {f"small_{k}": replace(t, subsample=self.subsample) for k, t in blocks.items()}
+        first = (shrink, particles) if apart else (shrink,)
+        steps = (*first, *gathers, *march, spread, resolve)
         return oit.Plan({**targets, "color": color, **blocks}, steps)
+
+
+def _march(
+    reads: tuple[str, ...], prefix: str = "", defines: Mapping[str, float] | None = None
+) -> oit.Resolve:
+    """Return the march through a medium, into the targets whose names start with `prefix`."""
+    writes = {f"{prefix}{name}": GATHERED[name] for name in ("accum", "beta")}
+    return oit.Resolve("fog.glsl", reads=reads, writes=writes, defines=defines or {})

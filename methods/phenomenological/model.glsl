@@ -1,7 +1,4 @@
-// Constants of the model, and encodings of targets that both stages share.
-const float K0 = 0.25;              // m
-const float K1 = 0.5;               // m
-const float PAPER_REACH = 2.0;      // m
+// Encodings of targets that both stages share.
 const float FARTHEST = 1e4;         // m; the distance of a background at infinity
 #if PRECISION == PRECISION_PAPER
 const float UNIT = 63.0;            // pixels per unit of delta and of the root of D^2

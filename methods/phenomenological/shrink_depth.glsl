@@ -6,6 +6,8 @@ void resolve() {
     // One at the block's center; the frame may end before it.
     ivec2 full = textureSize(opaque_depth_texture, 0);
     float depth = read_opaque_depth(min(block + SUBSAMPLE / 2, full - 1));
+#ifdef OWN_DEPTH
     gl_FragDepth = depth;
+#endif
     small_distance = view_distance(depth);
 }

@@ -88,7 +88,10 @@ class Projection:
         require(near >= _LEAST_NEAR, f"camera: near is {self.near} m; give a larger distance")
         if infinite:
             parts[2][1] = np.inf
-        sizes = np.array([width, height, *tiles, 0, 0, 0, 0], dtype=np.uint32)
+        ahead = self.to_clip @ (0.0, 0.0, -1.0, 1.0)
+        center = (ahead[:2] / ahead[3] + 1) / 2 * (width, height)
+        sizes = np.array([width, height, *tiles, 0, 0], dtype=np.uint32)
+        sizes = np.concatenate([sizes, center.astype(np.float32).view(np.uint32)])
         return b"".join(part.tobytes() for part in (*parts[:3], sizes, *parts[3:]))
 
 

@@ -2,10 +2,11 @@
 
     python -m tests.benchmarks.stages [--size 1920x1080] [--rounds 9] [SCENE ...]
 
-The stages are shadow maps, their filtering, transparency and resolve. A scene with particles has a
-second row, in which particles are accumulated at a quarter of the width and height. Upsampling is
-part of the resolve, as in the paper; downsampling of the depth is part of the particles, and clears
-before the first pass are part of the sum only. On a software renderer, each stage is finished
+The stages are shadow maps, their filtering, transparency and resolve. A scene with particles or a
+medium has a second row, in which they are accumulated at a quarter of the width and height.
+Upsampling is part of the resolve, as in the paper; downsampling of the depth is part of the
+particles, or of the medium if there are none, and clears before the first pass are part of the sum
+only. On a software renderer, each stage is finished
 before the next one starts. The variants of a scene alternate in shuffled order, so that a drift of
 the machine's speed affects all equally. Default: all lit scenes. The output is
 results/benchmarks/stages.{md,csv}.
@@ -70,7 +71,8 @@ def stage_of(step: Pass, mixed: bool) -> str:
     if isinstance(step, Gather):
         separate = {Objects.PARTICLES: PARTICLES, Objects.OTHERS: OTHERS}
         return separate.get(step.objects, TOTAL) if mixed else OTHERS
-    return {"fog": FOG, "shrink_depth": PARTICLES}.get(step.name, RESOLVE)
+    shrink = PARTICLES if mixed else FOG
+    return {"fog": FOG, "fog small=1": FOG, "shrink_depth": shrink}.get(step.name, RESOLVE)
 
 
 def sum_stages(frame: Frame, time: Time, mixed: bool) -> Samples:
@@ -100,7 +102,7 @@ def measure(device: Device, scene: Scene, size: tuple[int, int], rounds: int) ->
         mixed = uploaded.geometry.has(Objects.PARTICLES)
         frames = {}
         for name, text in METHODS.items():
-            if name == "1x1" or mixed:
+            if name == "1x1" or mixed or scene.medium is not None:
                 (method,) = collection.expand_methods([text])
                 frame = Frame(uploaded, method, size, scene.effects & method.shows)
                 frames[name] = stack.enter_context(frame)

@@ -12,8 +12,9 @@ from oitbench.effects import Effect
 from oitbench.gl.device import Device
 from oitbench.gl.frame import Frame, Image
 from oitbench.modeling.mesh import quad
+from oitbench.path_traced.optics.materials import spread as path_traced_spread
 from oitbench.scene import Material, Object, Scene
-from tests.helpers import opened
+from tests.helpers import collection, opened
 from tests.methods.sheets import (
     CAMERA,
     CLEAR,
@@ -37,11 +38,79 @@ def blurs(frame: Frame) -> Image:
 
 
 @pytest.mark.parametrize("collimation", [0.9, 0.25, 0.0])
-def test_blur_equals_its_formula(device: Device, collimation: float) -> None:
+@pytest.mark.parametrize(("k0", "k1"), [(model.K0, model.K1), (0.25, 0.05)])
+def test_blur_equals_its_formula(device: Device, collimation: float, k0: float, k1: float) -> None:
     """McGuire & Mara 2017, equation 7."""
-    with opened(device, sheet_scene(frosted(collimation)), FLOAT, SIZE) as frame:
-        expected = model.blur(FOCAL, collimation, 1.0, 2.0, 4.0)
+    name = with_parameter(f"k0={k0},k1={k1}")
+    with opened(device, sheet_scene(frosted(collimation)), name, SIZE) as frame:
+        expected = model.blur(FOCAL, collimation, 1.0, 2.0, 4.0, k0, k1)
         np.testing.assert_allclose(blurs(frame), expected, rtol=1e-4)
+
+
+def edge(collimation: float, behind: float = 4.0) -> Scene:
+    """Return a frosted pane 2 m before a wall that is bright on its right half."""
+    bright = Object(
+        "bright", quad((5, 0, -behind), (5, 0, 0), (0, 5, 0)), Material(emission=(1.0, 1.0, 1.0))
+    )
+    dark = Object("dark", quad((-5, 0, -behind), (5, 0, 0), (0, 5, 0)), Material())
+    pane = sheet_scene(frosted(collimation)).objects[1]
+    return Scene("edge", CAMERA, (bright, dark, pane))
+
+
+def spread(device: Device, scene: Scene, parameter: str, size: tuple[int, int]) -> Image:
+    """Return the weights by which an edge is spread over pixels, along one row."""
+    with opened(device, scene, with_parameter(f"modulation=none,{parameter}"), size) as frame:
+        frame.render()
+        row = frame.image()[size[1] // 2, :, 0].astype(np.float64)
+    assert row[0] < 1e-6
+    assert row[-1] > 1 - 1e-6
+    return np.asarray(np.diff(row))
+
+
+@pytest.mark.parametrize(("kernel", "factor"), [("disk", 1.0), ("gaussian", 1.0), ("listing", 0.5)])
+def test_the_deviation_of_a_blur_is_that_of_equation_7(
+    device: Device, kernel: str, factor: float
+) -> None:
+    """That of the published disk is half of it."""
+    size = (576, 288)  # the lattice of taps is fine beside a blur of 12 pixels
+    weights = spread(device, edge(0.8), f"kernel={kernel},radius=1", size)
+    x = np.arange(len(weights))
+    mean = (weights * x).sum()
+    deviation = np.sqrt((weights * (x - mean) ** 2).sum())
+    focal = size[1] / 2 / np.tan(CAMERA.fov_y / 2)
+    assert deviation == pytest.approx(factor * model.blur(focal, 0.8, 1.0, 2.0, 4.0), rel=0.03)
+
+
+@pytest.mark.parametrize("kernel", ["disk", "gaussian", "listing"])
+@pytest.mark.parametrize(
+    ("parameter", "height", "reach"),
+    [
+        ("radius=0.1", 60, 6),
+        ("radius=0.1", 120, 12),
+        ("limit=listing", 96, 16),
+        ("limit=listing", 192, 16),
+    ],
+)
+def test_a_blur_ends_at_its_largest_radius(
+    device: Device, kernel: str, parameter: str, height: int, reach: int
+) -> None:
+    weights = spread(device, edge(0.3), f"kernel={kernel},k0=0.8,{parameter}", (3 * height, height))
+    (used,) = np.nonzero(weights > 1e-6)
+    assert used.max() - used.min() == 2 * reach
+
+
+def test_blurs_agree_with_the_path_tracer_at_two_and_a_half_meters() -> None:
+    """A pane at that distance from the eye, and a background as far behind the pane."""
+    for collimation in (0.0, 0.5, 0.9):
+        # The deviation of a uniform disk along an axis is half of its radius.
+        slope = path_traced_spread(collimation) / 2
+        expected = 100.0 * slope * 2.5 / (2.5 + 2.5)
+        assert model.blur(100.0, collimation, 1.0, 2.5, 5.0) == pytest.approx(expected)
+        # By slopes as in a medium, they agree at all distances.
+        for z, gap in ((0.1, 9.0), (1.0, 0.3), (2.5, 2.5)):
+            expected = 100.0 * slope * gap / (z + gap)
+            assert model.medium_blur(100.0, collimation, z, z + gap) == pytest.approx(expected)
+    assert collection().methods["phenomenological"].parameters["k0"].default == model.K0
 
 
 def test_blur_vanishes_where_the_background_touches_the_glass(device: Device) -> None:
@@ -71,8 +140,13 @@ def test_variances_of_layers_add(device: Device) -> None:
 
 
 def test_blur_is_weighted_by_the_chosen_rule(device: Device) -> None:
-    for weight, factor in (("alpha", 1.0), ("net", 0.25)):
-        scene = sheet_scene(frosted(0.5, transmission=(0.75, 0.75, 0.75)))
+    medium = model.medium_blur(FOCAL, 0.5, 2.0, 4.0) / model.blur(FOCAL, 0.5, 1.0, 2.0, 4.0)
+    cases = (
+        ("alpha", 1.0, 1.0), ("net", 1.0, 0.25), ("optical", 1.0, medium),
+        ("alpha", 0.2, 0.2), ("net", 0.2, 0.05), ("optical", 0.2, medium * np.sqrt(-np.log(0.8))),
+    )  # fmt: skip
+    for weight, coverage, factor in cases:
+        scene = sheet_scene(frosted(0.5, coverage=coverage, transmission=(0.75, 0.75, 0.75)))
         with opened(device, scene, with_parameter(f"weight={weight}"), SIZE) as frame:
             expected = factor * model.blur(FOCAL, 0.5, 1.0, 2.0, 4.0)
             np.testing.assert_allclose(blurs(frame), expected, rtol=1e-4)
@@ -91,20 +165,20 @@ def test_half_the_resolution_halves_blur_and_offset(device: Device) -> None:
         np.testing.assert_allclose(small, large, rtol=2e-3, atol=1e-3)
 
 
-@pytest.mark.parametrize("kernel", ["disk", "gaussian"])
+@pytest.mark.parametrize("kernel", ["disk", "gaussian", "listing"])
 def test_blurred_pictures_follow_the_model(device: Device, kernel: str) -> None:
     """A frosted pane that also refracts covers half of the wall of random texels."""
     glass = replace(frosted(0.6, coverage=0.8), index=1.2, solid=True)
     pane = Object("pane", quad((0.15, 0, -0.5), (0.15, 0, 0.05), (0, 0.5, 0)), glass)
     scene = Scene("half", CAMERA, (wall(), pane))
-    name = with_parameter(f"modulation=none,kernel={kernel}")
+    name = with_parameter(f"modulation=none,kernel={kernel},radius=0.5")
     with opened(device, scene, name, SIZE) as frame:
         frame.render()
         found, opaque = frame.image().astype(np.float64), frame.read("opaque_color")[..., :3]
         beta, delta = frame.read("beta"), frame.read("delta").astype(np.float64) * (1, -1)
     spread = np.sqrt(beta[..., 3].astype(np.float64))
     expected = beta[..., :3] * model.gather(
-        opaque.astype(np.float64), spread, delta, radius=16, kernel=kernel
+        opaque.astype(np.float64), spread, delta, radius=0.5 * SIZE[1], kernel=kernel
     )
     assert spread.max() > 6
     # Rounding decides whether taps at the rim of the disk count.

@@ -4,23 +4,24 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 import pytest
 
 from oitbench.effects import Effect
 from oitbench.gl.device import Device
-from oitbench.gl.frame import Frame
-from oitbench.measure.accounting import traffic
+from oitbench.measure.oracle import composite
 from oitbench.modeling.mesh import quad
 from oitbench.scene import (
     RGB,
     WHITE,
+    Array,
     Camera,
     DirectionalLight,
     EnvironmentLight,
     Floats,
+    FragmentLists,
     Light,
     Material,
     Medium,
@@ -30,44 +31,27 @@ from oitbench.scene import (
     sample_density,
 )
 from tests.helpers import BACKGROUND, opened, render
+from tests.methods.foggy import (
+    AMBIENT,
+    CAMERA,
+    FAR_CAMERA,
+    FLOAT,
+    FOG,
+    HIGH,
+    LAMP,
+    LOW,
+    SIZE,
+    STEPS,
+    SUN,
+    foggy,
+    moved_bytes,
+    targets,
+)
 from tests.models import fog as model
 from tests.models import phenomenological
 from tests.models.view import rays
 
-SIZE = (20, 14)
-STEPS = 8
-CAMERA = Camera((0, 0, 0), (0, 0, -1), fov_y=math.radians(40))
-FAR_CAMERA = Camera((0, 0, 0), (0, 0, -1), fov_y=math.radians(0.5))
-FLOAT = f"phenomenological[precision=float,steps={STEPS}]"
-LOW, HIGH = (-5.0, -5.0, -3.5), (5.0, 5.0, -0.8)
-FOG = Medium(0.7, LOW, HIGH, albedo=(0.9, 0.7, 0.5), anisotropy=0.6)
-AMBIENT: RGB = (0.4, 0.3, 0.2)
-SUN = DirectionalLight((1.0, -1.0, 1.5), (3.0, 2.0, 1.0))
-LAMP = SpotLight((0.6, 0.8, -1.6), (-0.3, -0.5, -2.6), (2.0, 3.0, 4.0), math.radians(70))
 RAMP = sample_density(lambda p: 0.5 + 0.1 * p[..., 0] - 0.15 * p[..., 2], LOW, HIGH, (5, 4, 3))
-
-
-def wall(z: float = 3.0, color: RGB = BACKGROUND) -> Object:
-    """Return an emissive wall across the view."""
-    return Object("wall", quad((0, 0, -z), (9, 0, 0), (0, 9, 0)), Material(emission=color))
-
-
-def foggy(
-    medium: Medium | None = FOG,
-    lights: tuple[Light, ...] = (),
-    objects: tuple[Object, ...] = (),
-    camera: Camera = CAMERA,
-) -> Scene:
-    """Return fog in front of a wall that casts no shadow."""
-    objects = (replace(wall(), casts=False), *objects)
-    return Scene("fog", camera, objects, lights=lights, medium=medium)
-
-
-def targets(device: Device, scene: Scene, name: str = FLOAT, **options: Any) -> tuple[Any, Any]:
-    """Return the gathered targets: sums, and products with variances."""
-    with opened(device, scene, name, SIZE, **options) as frame:
-        frame.render()
-        return frame.read("accum"), frame.read("beta")
 
 
 def sums(slices: model.Slices) -> tuple[Floats, Floats]:
@@ -118,27 +102,6 @@ def test_fog_equals_a_plane_for_each_step(device: Device) -> None:
     np.testing.assert_allclose(found, render(device, planes, FLOAT), atol=1e-4)
 
 
-def test_fog_blurs_as_much_as_planes(device: Device) -> None:
-    """The view is so narrow that all rays are parallel to its axis."""
-    medium = replace(FOG, collimation=0.3)
-    scene = foggy(medium, (EnvironmentLight(AMBIENT),), camera=FAR_CAMERA)
-    slices = model.march(FAR_CAMERA, medium, SIZE, STEPS, behind=3.0)
-    material = Material(
-        coverage=float(slices.coverage[0, 0, 0]),
-        emission=tuple(np.multiply(medium.albedo, AMBIENT)),
-        collimation=0.3,
-    )
-    sheets = [
-        Object(f"sheet {z}", quad((0, 0, -z), (1, 0, 0), (0, 1, 0)), material)
-        for z in slices.z[:, 0, 0].tolist()
-    ]
-    planes = Scene("planes", FAR_CAMERA, (wall(), *sheets))
-    found, expected = targets(device, scene), targets(device, planes)
-    assert expected[1][..., 3].min() > 1
-    np.testing.assert_allclose(found[0], expected[0], rtol=1e-4)
-    np.testing.assert_allclose(found[1], expected[1], rtol=1e-4)
-
-
 @pytest.mark.parametrize("steps", [1, 4, 32])
 def test_uniform_fog_equals_its_closed_form(device: Device, steps: int) -> None:
     scene = foggy(lights=(EnvironmentLight(AMBIENT),))
@@ -186,6 +149,36 @@ def test_fog_composes_with_glass(device: Device, z: float) -> None:
     np.testing.assert_allclose(both[0], fog[0] + alone[0], rtol=1e-5)
     np.testing.assert_allclose(both[1][..., :3], fog[1][..., :3] * alone[1][..., :3], atol=1e-6)
     assert np.ptp(alone[1][0, 0, :3]) > 0.5
+
+
+def test_a_sheet_in_fog_keeps_its_own_light(device: Device) -> None:
+    """A known failure of one unordered pass, with the right value beside it."""
+    emission, transmission = np.array([1.0, 0.2, 0.3]), np.array([0.9, 0.5, 0.2])
+    glass = Material(transmission=(0.9, 0.5, 0.2), emission=(1.0, 0.2, 0.3), specular=0.0)
+    z, light = 1.9, np.multiply(FOG.albedo, AMBIENT)  # the middle of the fog
+    pane = Object("pane", quad((0, 0, -z), (1, 0, 0), (0, 1, 0)), glass)
+    scene = foggy(lights=(EnvironmentLight(AMBIENT),), objects=(pane,), camera=FAR_CAMERA)
+    half = math.exp(-FOG.extinction * 1.1)
+    behind = light * (1 - half) + np.multiply(BACKGROUND, half)
+    right = light * (1 - half) + half * (emission + transmission * behind)
+    fog = model.march(FAR_CAMERA, FOG, SIZE, STEPS, 3.0, (), AMBIENT).lists()
+    shape = (1, SIZE[1], SIZE[0])
+
+    def with_sheet(slices: Array, value: npt.ArrayLike) -> Array:
+        sheet = np.broadcast_to(np.asarray(value, dtype=np.float32), shape + slices.shape[3:])
+        return np.ascontiguousarray(np.concatenate([slices, sheet]))
+
+    lists = FragmentLists(
+        with_sheet(fog.z, z),
+        with_sheet(fog.coverage, 1.0),
+        with_sheet(fog.radiance, emission),
+        with_sheet(fog.transmission, transmission),
+    )
+    np.testing.assert_allclose(composite(lists, BACKGROUND)[0, 0], right, atol=1e-4)
+    expected = phenomenological.composite(lists, BACKGROUND)
+    found = render(device, scene, FLOAT, size=SIZE)
+    np.testing.assert_allclose(found, expected, atol=1e-4)
+    assert abs(found - right).max() > 0.1
 
 
 def test_fog_ends_at_an_opaque_wall(device: Device) -> None:
@@ -323,14 +316,3 @@ def test_fog_is_blended_once_per_pixel(device: Device) -> None:
         moved = moved_bytes(frame, "fog")
     # 64 bits of sums and 24 of transmittance, each read and written; 32 bits of depth are read.
     assert moved == {"blend": 11 * pixels, "write": 11 * pixels, "read": 4 * pixels}
-
-
-def moved_bytes(frame: Frame, name: str) -> dict[str, int]:
-    """Return the bytes that one pass of a frame moves, by kind."""
-    frame.render()
-    measured = frame.measure()
-    found: dict[str, int] = {}
-    for term in traffic(frame, measured).terms:
-        if term.pass_ == name:
-            found[term.kind] = found.get(term.kind, 0) + term.bytes
-    return found

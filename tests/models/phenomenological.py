@@ -11,7 +11,9 @@ from oitbench.measure.oracle import transmittances
 from oitbench.scene import Floats, FragmentLists
 from tests.models.commutative import layers_of
 
-K0, K1 = 0.25, 0.5
+K0, K1 = 0.375, 0.5
+CUTS = {"disk": 2.0, "gaussian": 3.5, "listing": 1.0}
+"""Radius of each kernel in multiples of D."""
 
 
 def depth_weight(opacity: Floats, depth: Floats, equation: str = "eq5") -> Floats:
@@ -51,12 +53,28 @@ def composite(
 
 
 def blur(
-    focal: float, collimation: float, weight: float, z: npt.ArrayLike, behind: npt.ArrayLike
+    focal: float,
+    collimation: float,
+    weight: float,
+    z: npt.ArrayLike,
+    behind: npt.ArrayLike,
+    k0: float = K0,
+    k1: float = K1,
 ) -> Floats:
     """Return D of one layer in pixels; `focal` is in pixels, distances are in meters."""
     distance = np.asarray(z, dtype=np.float64)
     gap = np.abs(np.asarray(behind, dtype=np.float64) - distance)
-    return np.asarray(focal * K0 * (1 - collimation) * weight * (1 - K1 / (K1 + gap)) / distance)
+    return np.asarray(focal * k0 * (1 - collimation) * weight * (1 - k1 / (k1 + gap)) / distance)
+
+
+def medium_blur(
+    focal: float, collimation: float, z: npt.ArrayLike, behind: npt.ArrayLike
+) -> Floats:
+    """Return D of one optical depth of a medium at distance z, in pixels."""
+    distance = np.asarray(z, dtype=np.float64)
+    total = np.asarray(behind, dtype=np.float64)
+    slope = 2 * K0 / (K1 + 2.5) * (1 - collimation)
+    return np.asarray(focal * slope * (total - distance) / total)
 
 
 def bent(toward_eye: Floats, normal: Floats, eta: float) -> Floats:
@@ -68,26 +86,59 @@ def bent(toward_eye: Floats, normal: Floats, eta: float) -> Floats:
     )
 
 
+def offset(
+    focal: float,
+    position: Floats,
+    normal: Floats,
+    index: float,
+    reach: npt.ArrayLike,
+    *,
+    entering: bool,
+) -> Floats:
+    """Return the offset (..., 2) of the background behind one surface, in pixels right and up.
+
+    Parameters
+    ----------
+    focal : float
+        Focal length, pixels.
+    position, normal : array, shape (..., 3)
+        Of the surface in camera space, meters; the normal on the side of the eye.
+    index : float
+        Of the solid that the surface bounds.
+    reach : array, shape (...)
+        Meters along the view axis from the surface to the background.
+    entering : bool
+        Whether the view ray enters the solid. Where it leaves, the ray inside is the one that the
+        surface would bend the view ray to, and the offset has the opposite sign.
+    """
+    toward_eye = -position / np.linalg.norm(position, axis=-1, keepdims=True)
+    inside = bent(toward_eye, normal, 1 / index)
+    target = position + np.asarray(reach)[..., None] * inside / np.abs(inside[..., 2:])
+    pixels = [focal * p[..., :2] / -p[..., 2:] for p in (target, position)]
+    return np.asarray(pixels[0] - pixels[1] if entering else pixels[1] - pixels[0])
+
+
 def gather(
-    picture: Floats, blurs: Floats, offset: Floats, radius: int, kernel: str = "disk"
+    picture: Floats, blurs: Floats, offset: Floats, radius: float, kernel: str = "disk"
 ) -> Floats:
     """Return the picture blurred over D = `blurs`, at `offset` (..., 2) pixels right and down.
 
     Taps are two pixels apart and at most `radius` pixels from the center.
     """
     height, width = blurs.shape
-    cut = 2.5 if kernel == "gaussian" else 1.0
+    cut = CUTS[kernel]
     rows, columns = np.indices(blurs.shape)
     x = np.floor(columns + 0.5 + offset[..., 0]).astype(int)
     y = np.floor(rows + 0.5 + offset[..., 1]).astype(int)
     reach = np.minimum(cut * blurs, radius).astype(int)
     total, weights = np.zeros(picture.shape), np.zeros(blurs.shape)
-    most = radius // 2 * 2
+    most = int(radius) // 2 * 2
     for dy, dx in product(range(-most, most + 1, 2), repeat=2):
         tap = np.clip(y + dy, 0, height - 1), np.clip(x + dx, 0, width - 1)
         there, square = blurs[tap], dx * dx + dy * dy
         variance = np.maximum(there**2, 1.0)
-        weight = np.exp(-square / (2 * variance)) if cut > 1 else 1 / variance + 1e-5
+        gauss = kernel == "gaussian"
+        weight = np.exp(-square / (2 * variance)) if gauss else 1 / variance + 1e-5
         within = square <= (cut * np.minimum(blurs, there)) ** 2
         weight = np.where(within & (max(abs(dx), abs(dy)) <= reach), weight, 0.0)
         total += weight[..., None] * picture[tap]

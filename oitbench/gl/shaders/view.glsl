@@ -9,6 +9,7 @@ layout(std140, binding = 0) uniform View {
     uvec2 frame_size;      // pixels
     uvec2 frame_tiles;     // tiles of TILE x TILE pixels
     uint iteration;        // round of the loop around the pass, from 0
+    vec2 view_center;      // where the view axis meets the picture, pixels
     vec4 eye;              // relative position and 1, or the direction to the viewer and 0
     vec4 origin;           // position of the camera in the world, less whole kilometers, m
 };
@@ -32,7 +33,7 @@ float view_distance(float inverse_depth) {
 
 // Direction from the eye through the pixel, in world space, to advance one meter of view distance.
 vec3 pixel_ray(vec2 pixel) {
-    vec2 slope = (pixel - 0.5 * vec2(frame_size)) / pixel_focal;
+    vec2 slope = (pixel - view_center) / pixel_focal;
     return transpose(mat3(world_to_camera)) * vec3(slope, -1.0);
 }
 
