@@ -11,7 +11,7 @@ import pytest
 
 from oitbench.places import own_folder
 
-# Answers what the script asks of an interpreter, and notes what it is told to do.
+# Answers what the script asks of an interpreter, and writes down its arguments.
 FAKE = """#!/bin/sh
 case "$*" in
 *platform.python_version*) echo {version} ;;
