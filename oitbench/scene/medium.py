@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from oitbench.scene.checks import require, require_finite, require_fractions
+from oitbench.scene.checks import require, require_finite, require_fractions, require_light
 from oitbench.scene.vectors import RGB, WHITE, Array, Floats, Vector, relocated
 
 
@@ -30,6 +30,10 @@ class Medium:
     collimation : float
         c in [0, 1]: 1 passes light in a beam, 0 spreads all of it. Used by methods that blur what
         lies behind a medium.
+    ambient : RGB, optional
+        Radiance that arrives in the medium from all sides and is not a beam, linear. It belongs to
+        the scene: a fog in a brown room is lit by brown walls. Default: None, the mean radiance of
+        the environment.
     density : array, shape (nz, ny, nx), float32, optional
         Factor on the extinction, in [0, 1], at the centers of the cells of a regular grid in the
         box; linear in between. Default: one everywhere.
@@ -46,6 +50,7 @@ class Medium:
     albedo: RGB = WHITE
     anisotropy: float = 0.0
     collimation: float = 1.0
+    ambient: RGB | None = None
     density: Array | None = None
 
     def __post_init__(self) -> None:
@@ -57,6 +62,8 @@ class Medium:
             all(low < high for low, high in zip(self.low, self.high, strict=True)),
             "medium: its box is empty; low must be below high on every axis",
         )
+        if self.ambient is not None:
+            require_light("medium", ambient=self.ambient)
         density = self.density
         if density is not None:
             require(density.ndim == 3, f"medium: density is {density.shape}; give (nz, ny, nx)")
