@@ -193,7 +193,7 @@ class Reference:
         if len(self.parts) == 1:
             return self.parts[0]
         total = np.stack(self.parts).sum(axis=0, dtype=np.float64)
-        return (total / len(self.parts)).astype(np.float32)
+        return np.asarray(total / len(self.parts), dtype=np.float32)
 
 
 def _part_name(number: int, parts: Sequence[object]) -> str:
