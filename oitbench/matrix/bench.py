@@ -260,10 +260,15 @@ class Bench:
 
     def _traced(self, stage: Stage, kind: str, chosen: Effect) -> Truth | CapabilityError:
         """Return a traced truth, or why this machine cannot render it."""
+
+        def progress(done: int, count: int) -> None:
+            # Each part is a step, so that long renderings are not taken for endless ones.
+            self._on_step(_TRACING)
+
         self._on_step(_TRACING)
         try:
             with self.watch.running("references"):
-                return stage.traced(kind, chosen, self.collection.folders)
+                return stage.traced(kind, chosen, self.collection.folders, progress)
         except CapabilityError as error:
             return error
 

@@ -120,7 +120,13 @@ class Stage:
             self._exact[effects] = Exact(truth, transmittance, transparent)
         return self._exact[effects]
 
-    def traced(self, kind: str, chosen: Effect, folders: Iterable[Path]) -> Truth:
+    def traced(
+        self,
+        kind: str,
+        chosen: Effect,
+        folders: Iterable[Path],
+        progress: Callable[[int, int], None],
+    ) -> Truth:
         """Return a traced truth; the first call may take minutes.
 
         Parameters
@@ -131,6 +137,8 @@ class Stage:
             Effects that are not left out.
         folders : iterable of Path
             Folders of collections.
+        progress : callable
+            As in `render_reference`.
 
         Raises
         ------
@@ -143,7 +151,9 @@ class Stage:
         wanted = Wanted(self.scene, self.label, self.size, self.ssaa, kind, chosen)
         if wanted.key not in self._traced:
             try:
-                self._traced[wanted.key] = self._truth(kind, *find_or_render(wanted, folders))
+                self._traced[wanted.key] = self._truth(
+                    kind, *find_or_render(wanted, folders, progress)
+                )
             except OitbenchError as error:
                 self._traced[wanted.key] = error
         found = self._traced[wanted.key]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import msgspec
 import numpy as np
@@ -74,13 +74,14 @@ def asked(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     """Made-up references instead of rendered ones; the list names those that were asked for."""
     keys: list[str] = []
 
-    def find_or_render(wanted: Wanted, folders: Any) -> tuple[Reference, str]:
+    def find_or_render(wanted: Wanted, *_: Any) -> tuple[Reference, str]:
         keys.append(wanted.key)
         parts = 8 if wanted.truth == MATCHED else 1
         random = np.random.default_rng(len(wanted.left_out))
+        kind: Literal["matched", "full"] = "matched" if parts > 1 else "full"
         how = Rendering(
-            wanted.label, "matched" if parts > 1 else "full", [], wanted.left_out, wanted.size, wanted.grid, 3, parts, 1,
-            1, "3", "f",
+            wanted.label, kind, [], wanted.left_out, wanted.size, wanted.grid, 3, parts, 1, 1, "3",
+            "f",
         )  # fmt: skip
         images = (random.random((16, 16, 3)).astype(np.float32) for _ in range(parts))
         return Reference(how, {metrics.FLIP_LDR: 0.02}, 4.5, tuple(images)), "made up"

@@ -17,7 +17,7 @@ from oitbench.path_traced.references.check import check, failure_folder
 from oitbench.path_traced.references.storage import Reference, Rendering
 from oitbench.path_traced.references.wanted import REFRACTED_SSAA
 from oitbench.path_traced.references.z_test import z_test
-from oitbench.path_traced.trace.render import Estimate
+from oitbench.path_traced.trace.render import Estimate, Progress
 from oitbench.path_traced.version import TRACER
 from oitbench.places import own_folder
 from oitbench.scene import Camera, DirectionalLight, Material, Medium, Object, Scene
@@ -198,9 +198,9 @@ def test_a_reference_is_rendered_once_and_every_method_gets_the_stored_one(
     storage.save(shipped / "reference", make_reference(make_scene(coverage=0.4)))
     rendered: list[str] = []
 
-    def render_reference(scene: Scene, planned: Rendering) -> Reference:
+    def render_reference(scene: Scene, planned: Rendering, progress: Progress) -> Reference:
         rendered.append(planned.key)
-        return rendering.render_reference(scene, planned)
+        return rendering.render_reference(scene, planned, progress)
 
     monkeypatch.setattr(lookup, "render_reference", render_reference)
 

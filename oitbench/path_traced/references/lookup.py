@@ -28,6 +28,7 @@ from oitbench.path_traced.references.storage import (
     stored_precision,
 )
 from oitbench.path_traced.references.wanted import Wanted
+from oitbench.path_traced.trace.render import Progress
 from oitbench.path_traced.version import TRACER
 from oitbench.scene import Scene
 
@@ -112,7 +113,9 @@ def truth_fingerprint(wanted: Wanted, folders: Iterable[Path]) -> str:
     return (found.rendering if found else plan_rendering(wanted)).digest
 
 
-def find_or_render(wanted: Wanted, folders: Iterable[Path]) -> tuple[Reference, str]:
+def find_or_render(
+    wanted: Wanted, folders: Iterable[Path], progress: Progress = lambda done, count: None
+) -> tuple[Reference, str]:
     """Return a reference that fits a scene: from a collection, else from the cache, else rendered.
 
     A reference that is rendered is stored in the cache, and what is returned is what is stored.
@@ -121,6 +124,8 @@ def find_or_render(wanted: Wanted, folders: Iterable[Path]) -> tuple[Reference, 
     ----------
     wanted, folders
         As in `find`.
+    progress : callable
+        As in `render_reference`.
 
     Returns
     -------
@@ -145,7 +150,7 @@ def find_or_render(wanted: Wanted, folders: Iterable[Path]) -> tuple[Reference, 
     place = cache / rendering.digest if cache is not None else None
     reference = _read_cached(place, wanted.key)
     if reference is None:
-        fresh = render_reference(wanted.scene, rendering)
+        fresh = render_reference(wanted.scene, rendering, progress)
         try:
             if place is None:
                 raise UsageError("there is no home folder; set XDG_CACHE_HOME")

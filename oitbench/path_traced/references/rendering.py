@@ -38,7 +38,7 @@ DEFAULT_SPP = 64
 MATCHED_RAYS = {
     Effect.VOLUME: 8,
     Effect.AMBIENT_OCCLUSION: 32,
-    Effect.DIFFUSION: 32,
+    Effect.DIFFUSION: 16,
     Effect.CAUSTICS: 32,
 }
 """Rays for each pixel in each part of a matched reference, by the random effects that run."""
