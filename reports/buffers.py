@@ -93,7 +93,7 @@ def _shadow_map(found: Sequence[DrawnTarget]) -> list[DrawnTarget]:
     """Return the shadow map of transparent surfaces that fills the most texels, if there is one."""
 
     def filled(item: DrawnTarget) -> int:
-        return int(np.count_nonzero(item.values))
+        return 0 if item.values is None else int(np.count_nonzero(item.values))
 
     maps = [item for item in found if item.facts.name.partition("@")[0] == _SHADOWS]
     return [item for item in sorted(maps, key=filled, reverse=True) if filled(item)][:1]
