@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 
 from oitbench import parameters
 from oitbench.errors import OitbenchError
+from oitbench.method.ablation import REQUESTED
 from oitbench.parameters import AnyParameter, natural
 from oitbench.report import (
     Artifact,
@@ -44,6 +45,8 @@ _ACROSS = 3
 _WIDTH, _HEIGHT = 3.13, 2.7
 # Values whose largest is at least that many times the smallest have a logarithmic axis.
 _WIDE = 8
+# Height of the axes, relative to the largest error.
+_ROOM = 1.15
 
 
 @dataclass(frozen=True)
@@ -205,14 +208,14 @@ def _draw(axes: Axes, context: ReportContext, axis: Axis, curves: Sequence[Curve
     if default is not None:
         axes.axvline(default, color=figures.QUIET, linewidth=0.9, linestyle=":")
     errors = [error for curve in curves for error in curve.errors(context.flip)]
-    lowest = min(error for error in errors if math.isfinite(error))
+    known = [error for error in errors if math.isfinite(error)]
     floor = largest_noise_floor(first.cells, context.flip) if first.truth == PATH_TRACED else None
     if floor:
-        figures.add_band(axes, lowest, lowest + floor, "ties", at_top=True)
-    axes.set_ylim(bottom=0)
-    cell = first.cells[0]
-    axes.set_title(first.scene if cell.effects == "requested" else f"{first.scene} {cell.effects}")
-    axes.set_xlabel(axis.key)
+        figures.add_band(axes, min(known), min(known) + floor, "ties", at_top=True)
+    axes.set_ylim(0, _ROOM * max(known) or 1)
+    effects = first.cells[0].effects
+    axes.set_title(first.scene)
+    axes.set_xlabel(axis.key if effects == REQUESTED else f"{axis.key}\neffects {effects}")
     axes.set_ylabel(f"to {TRUTHS[first.truth]}")
     axes.legend(fontsize=6, frameon=False)
 
