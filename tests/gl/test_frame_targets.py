@@ -14,6 +14,8 @@ from oitbench.errors import DeclarationError, UsageError
 from oitbench.gl.device import Device
 from oitbench.gl.frame_targets import choose, targets_of
 from oitbench.method.declaration import Method
+from oitbench.modeling.mesh import quad
+from oitbench.scene import Camera, DirectionalLight, Material, Object, Scene
 from tests.helpers import collection, method, opened
 
 SIZE = (32, 24)
@@ -86,15 +88,27 @@ def test_the_view_of_a_variance_is_its_deviation(device: Device) -> None:
 
 
 def test_maps_of_shading_are_named_by_beam_and_join_their_channels(device: Device) -> None:
-    scene, chosen = collection().build_scene("frosted_door[detail=0.1]"), method("alpha_blend")
-    with opened(device, scene, chosen, SIZE) as frame:
+    """Of red glass, red light passes wholly, and other light with a probability of one half."""
+    red = Material(transmission=(1, 0.5, 0.5), specular=0)
+    down = DirectionalLight((0, -1, 0), (1, 1, 1))
+    scene = Scene(
+        "pane",
+        Camera((0, 2, 5), (0, 0, 0)),
+        (
+            Object("floor", quad((0, -1, 0), (3, 0, 0), (0, 0, -3)), Material(), casts=False),
+            Object("pane", quad((0, 0, 0), (1, 0, 0), (0, 0, -1)), red),
+        ),
+        lights=(down, DirectionalLight((0.1, -1, 0), (1, 1, 1))),
+    )
+    with opened(device, scene, "alpha_blend", SIZE) as frame:
         frame.render()
-        found = targets_of(frame, chosen)
+        found = targets_of(frame, method("alpha_blend"))
         values = found["shadow_map"].read()
     assert {"shadow_map", "shadow_map@1", "shadow_opaque", "opaque_depth"} <= set(found)
     assert found["shadow_map"].size == values.shape[1::-1]
-    assert values.shape[2] == 3
-    assert values.max() > 0
+    covered = (values > 0).mean(axis=(0, 1))
+    assert covered[0] == 0
+    assert covered[1] == covered[2] == pytest.approx(0.5, abs=0.05)
 
 
 def test_samples_are_averaged_or_refused_by_name(device: Device) -> None:
