@@ -59,11 +59,13 @@ class Axis:
 
 @dataclass(frozen=True)
 class Curve:
-    """Cells that differ in one parameter alone, with its values, in ascending order."""
+    """Cells that differ in one parameter alone, with its values, in ascending order.
+
+    `labels` are those of the cells by owner, without that parameter.
+    """
 
     axis: Axis
-    scene: str
-    method: str
+    labels: Mapping[str, str]
     values: tuple[float, ...]
     cells: tuple[Record, ...]
     default: float | None
@@ -97,47 +99,48 @@ def build(context: ReportContext) -> list[Artifact]:
     return [*drawn, _table(context, curves)]
 
 
+def _labels(record: Record) -> dict[str, str]:
+    """Return the labels of a cell by the owners of their parameters."""
+    return {"scene": record.scene, "method": record.method}
+
+
 def _curves(records: Sequence[Record], collection: Collection) -> list[Curve]:
     """Return all curves, by scene and method."""
-    groups: dict[tuple[Axis, str, str, tuple[object, ...]], dict[float, Record]] = {}
-    defaults: dict[tuple[Axis, str], float] = {}
     finished = [record for record in records if record.finished]
-    keys = {
-        owner: _keys({getattr(record, owner) for record in finished})
-        for owner in ("scene", "method")
-    }
+    keys = _keys({pair for record in finished for pair in _labels(record).items()})
+    groups: dict[tuple[Axis, tuple[object, ...]], dict[float, Record]] = {}
+    others: dict[tuple[Axis, tuple[object, ...]], tuple[dict[str, str], float | None]] = {}
     for record in finished:
-        place = (record.size, record.ssaa, record.effects)
-        for owner in ("scene", "method"):
-            selected = parameters.parse(getattr(record, owner))
+        labels = _labels(record)
+        for owner, label in labels.items():
+            selected = parameters.parse(label)
             known = _parameters(collection, owner, selected.name)
-            for key in keys[owner][selected.name]:
-                axis, rest = Axis(owner, key), _without(getattr(record, owner), key)
+            for key in keys[owner, selected.name]:
                 default = _number(known[key].default) if key in known else None
                 given = selected.grid.get(key)
                 value = _number(given[0]) if given else default
-                if value is None:
-                    continue
-                pair = (rest, record.method) if owner == "scene" else (record.scene, rest)
-                groups.setdefault((axis, *pair, place), {})[value] = record
-                if default is not None:
-                    defaults[axis, selected.name] = default
+                if value is not None:
+                    rest = labels | {owner: _without(label, key)}
+                    place = (*rest.values(), record.size, record.ssaa, record.effects)
+                    group = Axis(owner, key), place
+                    groups.setdefault(group, {})[value] = record
+                    others[group] = rest, default
     curves = []
-    for (axis, scene, method, _), cells in groups.items():
+    for (axis, place), cells in groups.items():
+        rest, default = others[axis, place]
         if len(cells) >= _LEAST_VALUES:
             values = tuple(sorted(cells))
-            name = parameters.parse(scene if axis.owner == "scene" else method).name
             ordered = tuple(cells[value] for value in values)
-            curves.append(Curve(axis, scene, method, values, ordered, defaults.get((axis, name))))
-    return sorted(curves, key=lambda curve: (natural(curve.scene), natural(curve.method)))
+            curves.append(Curve(axis, rest, values, ordered, default))
+    return sorted(curves, key=lambda curve: [natural(label) for label in curve.labels.values()])
 
 
-def _keys(labels: set[str]) -> dict[str, list[str]]:
-    """Return the parameters that any of the labels states, by name."""
-    found: dict[str, list[str]] = {}
-    for label in sorted(labels):
+def _keys(labels: set[tuple[str, str]]) -> dict[tuple[str, str], list[str]]:
+    """Return the parameters that any label states, by its owner and the name in it."""
+    found: dict[tuple[str, str], list[str]] = {}
+    for owner, label in sorted(labels):
         selected = parameters.parse(label)
-        known = found.setdefault(selected.name, [])
+        known = found.setdefault((owner, selected.name), [])
         known += [key for key in selected.grid if key not in known]
     return found
 
@@ -169,7 +172,8 @@ def _figure(context: ReportContext, axis: Axis, curves: Sequence[Curve]) -> Arti
     plots: dict[tuple[object, ...], list[Curve]] = {}
     for curve in curves:
         cell = curve.cells[0]
-        plots.setdefault((curve.scene, cell.size, cell.ssaa, cell.effects), []).append(curve)
+        plot = curve.labels["scene"], cell.size, cell.ssaa, cell.effects
+        plots.setdefault(plot, []).append(curve)
     across = min(_ACROSS, len(plots))
     down = -(-len(plots) // across)
     with figures.canvas(_WIDTH * across, _HEIGHT * down) as figure:
@@ -202,7 +206,7 @@ def _draw(axes: Axes, context: ReportContext, axis: Axis, curves: Sequence[Curve
             marker=("o", "s", "^", "D", "v")[place % 5],
             markersize=4,
             linewidth=1.2,
-            label=curve.method,
+            label=curve.labels["method"],
         )
     default, first = curves[0].default, curves[0]
     if default is not None:
@@ -214,7 +218,7 @@ def _draw(axes: Axes, context: ReportContext, axis: Axis, curves: Sequence[Curve
         figures.add_band(axes, min(known), min(known) + floor, "ties", at_top=True)
     axes.set_ylim(0, _ROOM * max(known) or 1)
     effects = first.cells[0].effects
-    axes.set_title(first.scene)
+    axes.set_title(first.labels["scene"])
     axes.set_xlabel(axis.key if effects == REQUESTED else f"{axis.key}\neffects {effects}")
     axes.set_ylabel(f"to {TRUTHS[first.truth]}")
     axes.legend(fontsize=6, frameon=False)

@@ -83,12 +83,12 @@ def picture(values: Values, show: Show, exposure: float = 0.0, unit: str = "") -
         return _depths(shown)
     largest = _largest(shown)
     if show is Show.SUM:
-        encoded = to_srgb(shown / (largest or 1.0), 0.0)
+        encoded = to_srgb(shown / largest, 0.0)
         return Picture(_colors(encoded), f"black 0, white {largest:.4g}{unit}, sRGB")
     if show is Show.SIGNED or (shown < 0).any():
         text = f"gray 0, black −{largest:.4g}{unit}, white +{largest:.4g}{unit}"
-        return Picture(_colors(0.5 + 0.5 * shown / (largest or 1.0), empty=0.5), text)
-    return Picture(_colors(shown / (largest or 1.0)), f"black 0, white {largest:.4g}{unit}")
+        return Picture(_colors(0.5 + 0.5 * shown / largest, empty=0.5), text)
+    return Picture(_colors(shown / largest), f"black 0, white {largest:.4g}{unit}")
 
 
 def _depths(inverse: Image) -> Picture:
@@ -103,9 +103,9 @@ def _depths(inverse: Image) -> Picture:
 
 
 def _largest(values: Image) -> float:
-    """Return the magnitude below which nearly all values that are not zero lie; 0 if all are."""
+    """Return the magnitude below which nearly all values that are not zero lie; 1 if all are."""
     sizes = np.abs(values[np.isfinite(values) & (values != 0)])
-    return float(np.percentile(sizes, _PART, method="higher")) if sizes.size else 0.0
+    return float(np.percentile(sizes, _PART, method="higher")) if sizes.size else 1.0
 
 
 def _colors(levels: npt.ArrayLike, empty: float = 0.0) -> Image:
