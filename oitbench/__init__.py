@@ -6,6 +6,7 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 from oitbench.effects import Effect
+from oitbench.image.values import Show
 from oitbench.method.blending import (
     ADD,
     ATTENUATE,
@@ -26,6 +27,7 @@ from oitbench.method.formats import float_format
 from oitbench.method.passes import Gather, Interleaved, Loop, Objects, Order, Resolve, Step
 from oitbench.method.promises import promise
 from oitbench.method.storage import Buffer, Items, Target
+from oitbench.method.views import View
 from oitbench.parameters import Parameter
 
 if TYPE_CHECKING:
@@ -76,8 +78,10 @@ __all__ = [
     "Plan",
     "Request",
     "Resolve",
+    "Show",
     "Step",
     "Target",
+    "View",
     "__version__",
     "compare",
     "float_format",

@@ -22,6 +22,7 @@ from oitbench.errors import (
     printable,
 )
 from oitbench.method.declaration import Method
+from oitbench.method.views import View
 from oitbench.parameters import AnyParameter, Parameter, Value
 from oitbench.places import GROUP, Names, Places, own_folder
 from oitbench.scene import Scene
@@ -253,16 +254,18 @@ def _load_method(path: Path) -> type[Method]:
 
 
 def _check_class(path: Path, method: type[Method]) -> None:
-    """Raise `DeclarationError` if promises or effects of a method have a wrong type."""
+    """Raise `DeclarationError` if promises, effects or views of a method have a wrong type."""
     try:
         default = method()
-        promises, effects = default.promises, default.expresses
+        promises, effects, views = default.promises, default.expresses, default.views
     except Exception as error:
         raise DeclarationError(locate(error, path)) from error
     if not isinstance(promises, frozenset):
         raise DeclarationError(f'{path}: promises is {promises!r}; write oit.promise("NAME NAME")')
     if not isinstance(effects, Effect):
         raise DeclarationError(f"{path}: expresses is {effects!r}; combine oit.Effect by |")
+    if not isinstance(views, Mapping) or not all(isinstance(v, View) for v in views.values()):
+        raise DeclarationError(f"{path}: views is {views!r}; map names to oit.View")
 
 
 def _load_scene(path: Path) -> ScenePlugin:

@@ -78,6 +78,7 @@ def test_the_method_of_these_tests_is_right(device: Device, tmp_path: Path) -> N
         ("expresses =", "expreses =", "unknown member expreses; did you mean expresses?"),
         ('oit.promise("order_independent")', '"order_independent"', "write oit.promise"),
         ("expresses = oit.Effect.COVERAGE", "expresses = 1", "expresses is 1; combine oit.Effect"),
+        ("    promises =", "    views = {'x': 1}\n    promises =", "views is {'x': 1}; map names"),
         ("oit.ADD", "oit.AD", "method.py:11: AttributeError: module 'oitbench' has no attribute"),
         ("        return oit.Plan", "        oit.Plan", "plan returns None; return an oit.Plan"),
         ("(gather, resolve))", "(gather, None))", "passes hold None; a pass is Gather or Resolve"),

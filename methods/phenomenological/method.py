@@ -167,6 +167,19 @@ class Phenomenological(oit.Method):
         coarse = self.precision == "paper" and self.modulation != "none"
         return kept | oit.promise("" if coarse else "order_independent")
 
+    @property
+    def views(self) -> Mapping[str, oit.View]:
+        unit = 63.0 if self.precision == "paper" else 1.0  # UNIT of model.glsl
+        diffusion, refraction = oit.Effect.DIFFUSION, oit.Effect.REFRACTION
+        return {
+            "accumulated": oit.View("accum", "rgb", oit.Show.SUM),
+            "transmittance": oit.View("beta", "rgb", oit.Show.FRACTION),
+            "diffusion": oit.View("beta", "a", scale=unit, power=0.5, unit="px", effect=diffusion),
+            "refraction": oit.View(
+                "delta", "rg", oit.Show.SIGNED, scale=unit, unit="px", effect=refraction
+            ),
+        }
+
     def _targets(self, effects: oit.Effect) -> dict[str, oit.Target]:
         accum, beta, delta, bending = {
             "paper": ("rgba16f", "rgb8", "rg8_snorm", "r16f"),

@@ -43,6 +43,7 @@ _SIGNATURES: dict[str, tuple[Any, ...]] = {
     "glClearBufferfv": (_UINT, _INT, _VOID),
     "glClearBufferuiv": (_UINT, _INT, _VOID),
     "glBindTexture": (_UINT, _UINT),
+    "glGetTextureImage": (_UINT, _INT, _UINT, _UINT, _INT, _VOID),
     "glCopyImageSubData": (_UINT, _UINT, *[_INT] * 4, _UINT, _UINT, *[_INT] * 7),
     "glTexImage2D": (_UINT, _INT, _INT, _INT, _INT, _INT, _UINT, _UINT, _VOID),
     "glTextureSubImage3D": (_UINT, *[_INT] * 7, _UINT, _UINT, _VOID),

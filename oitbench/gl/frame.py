@@ -20,12 +20,14 @@ from oitbench.gl.ownership import Owner
 from oitbench.gl.plan import FramePlan
 from oitbench.gl.program.passes import Blueprint, CompiledPass, attach, compile_pass
 from oitbench.gl.program.shading_inputs import UNLIT
+from oitbench.gl.readback import read_averaged, read_texels
 from oitbench.gl.resources import Resources
 from oitbench.gl.shading.backdrop import Backdrop
 from oitbench.gl.shading.lighting import Lighting
 from oitbench.gl.shading.occlusion import Occlusion, occludes
 from oitbench.gl.tiling import Counts, sum_by_tile
 from oitbench.gl.uploaded_scene import UploadedScene
+from oitbench.image.values import Values
 from oitbench.method.declaration import Method
 from oitbench.method.passes import (
     OPAQUE_COLOR,
@@ -347,21 +349,18 @@ class Frame(Owner):
         Raises
         ------
         UsageError
-            The format is signed normalized, which cannot be read back.
+            The target has several samples per pixel and a format that has no mean.
         """
+        return self.texels(target).astype(np.float32, copy=False)
+
+    def texels(self, target: str) -> Values:
+        """Return a target as `read` does; integers stay integers, uint32."""
         declared = self.plan.declared[target]
         entry, size = declared.texel, declared.size(self.plan.size)
-        if entry.name.endswith("snorm"):
-            raise UsageError(f"target {target}: {entry.name} cannot be read; choose half floats")
-        texture = self.textures[target]
         if self.plan.samples_of(target) == 1:
-            return _texels(texture, size, entry.components, entry.dtype)
-        with Owner() as owner:
-            averaged = owner.own(self.device.texture(size, entry))
-            framebuffer = owner.own(attach(self.device, averaged, entry))
-            framebuffer.use()  # without a scissor
-            self.device.context.copy_framebuffer(framebuffer, self._framebuffers[target])
-            return _texels(averaged, size, entry.components, entry.dtype)
+            return read_texels(self.device, self.textures[target], size, entry)
+        framebuffer = self._framebuffers.get(target)
+        return read_averaged(self.device, target, framebuffer, size, entry)
 
 
 def check_size(device: Device, size: tuple[int, int]) -> None:
@@ -380,11 +379,3 @@ def _check_loops(device: Device, method: Method, fragments: int) -> None:
             f"{method.label}: {fragments} fragments at one pixel; {device.renderer} ends all loops"
             f" after {device.loop_limit} steps"
         )
-
-
-def _texels(texture: moderngl.Texture, size: tuple[int, int], components: int, dtype: str) -> Image:
-    kinds = {"f1": np.uint8, "f2": np.float16, "f4": np.float32, "u4": np.uint32}
-    data = np.frombuffer(texture.read(), dtype=kinds[dtype])
-    texels = data.reshape(size[1], size[0], components)[::-1]
-    scale = np.float32(1 / 255 if dtype == "f1" else 1)
-    return np.asarray(texels.astype(np.float32) * scale)

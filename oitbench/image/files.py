@@ -274,7 +274,7 @@ def mark_nonfinite(srgb: npt.ArrayLike) -> Image:
     return pixels
 
 
-def write_png(path: Path | str, srgb: npt.ArrayLike) -> None:
+def write_png(path: Path | str, srgb: npt.ArrayLike, text: str = "") -> None:
     """Write display values in [0, 1] as an 8-bit PNG; pixels that are not finite are magenta.
 
     Parameters
@@ -282,6 +282,8 @@ def write_png(path: Path | str, srgb: npt.ArrayLike) -> None:
     path : path
         Missing folders are created.
     srgb : array, shape (h, w, 3)
+    text : str
+        Description that is stored in the file.
 
     Raises
     ------
@@ -289,12 +291,15 @@ def write_png(path: Path | str, srgb: npt.ArrayLike) -> None:
         If the file cannot be written.
     """
     from PIL import Image as Picture
+    from PIL.PngImagePlugin import PngInfo
 
     levels = np.rint(np.clip(mark_nonfinite(srgb), 0, 1) * 255).astype(np.uint8)
-    path = Path(path)
+    path, facts = Path(path), PngInfo()
+    if text:
+        facts.add_itxt("Description", text)
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        Picture.fromarray(levels).save(path)
+        Picture.fromarray(levels).save(path, pnginfo=facts)
     except OSError as error:
         raise UsageError(f"{path} cannot be written; choose another folder") from error
 

@@ -3,24 +3,32 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from msgspec import Struct
 
 from oitbench.errors import UsageError
 from oitbench.gl.frame import Frame, check_size
+from oitbench.gl.frame_targets import choose, targets_of
 from oitbench.gl.uploaded_scene import UploadedScene
 from oitbench.image import files
+from oitbench.image.values import Show
 from oitbench.matrix.bench import Bench
 from oitbench.matrix.cell import Cell, choose_effects
 from oitbench.matrix.timed_cells import ScoredCell, Timing
 from oitbench.measure.rounds import Schedule
+from oitbench.method.declaration import Method
 from oitbench.places import Places
 from oitbench.plugins import Collection
 from oitbench.results.schema import Fingerprints, Record, Renderer
 from oitbench.workers.serve import OnStep, serve
+
+LIST, ALL = "list", "all"
+"""In place of the names of targets: only their facts, and all that can be read."""
 
 
 class Settings(Struct, frozen=True):
@@ -67,6 +75,18 @@ class DrawPicture(Struct, frozen=True, tag=True):
     file: bytes
 
 
+class DrawTargets(Struct, frozen=True, tag=True):
+    """Asks for targets of one frame as an archive of numpy; see `oitbench.matrix.targets.draw`."""
+
+    scene: str
+    method: str
+    size: tuple[int, int]
+    ssaa: int
+    effects: str
+    names: list[str]
+    file: bytes
+
+
 class Greeting(Struct, frozen=True, tag=True):
     """The renderer of the worker."""
 
@@ -99,8 +119,27 @@ class PictureDrawn(Struct, frozen=True, tag=True):
     exposure: float
 
 
-Request = Hello | IdentifyCells | RunCell | TimeCells | DrawPicture
-Reply = Greeting | CellsIdentified | CellDone | CellsTimed | PictureDrawn
+class TargetFacts(Struct, frozen=True):
+    """Facts of a target; see `oitbench.gl.frame_targets.FrameTarget`."""
+
+    name: str
+    format: str
+    size: tuple[int, int]
+    show: Show
+    unit: str
+    depth: bool
+    view: bool
+
+
+class TargetsDrawn(Struct, frozen=True, tag=True):
+    """The exposure of the scene in stops, and the targets in the order of the archive."""
+
+    exposure: float
+    targets: list[TargetFacts]
+
+
+Request = Hello | IdentifyCells | RunCell | TimeCells | DrawPicture | DrawTargets
+Reply = Greeting | CellsIdentified | CellDone | CellsTimed | PictureDrawn | TargetsDrawn
 
 
 def _begin(settings: Settings, on_step: OnStep) -> Callable[[Request], Reply]:
@@ -117,13 +156,17 @@ def _begin(settings: Settings, on_step: OnStep) -> Callable[[Request], Reply]:
             return CellDone(record, bench.watch.take())
         if isinstance(request, DrawPicture):
             return _draw(bench, request)
+        if isinstance(request, DrawTargets):
+            return _draw_targets(bench, request)
         schedule = Schedule(request.rounds, request.budget, request.seed)
         return CellsTimed(bench.time(request.cells, schedule), bench.watch.take())
 
     return answer
 
 
-def _draw(bench: Bench, request: DrawPicture) -> PictureDrawn:
+@contextmanager
+def _opened(bench: Bench, request: DrawPicture | DrawTargets) -> Iterator[tuple[Frame, Method]]:
+    """Yield the frame of a request, sub-pixels included, and its method."""
     chosen = bench.collection.expand_methods([request.method])
     if len(chosen) != 1:
         raise UsageError(f"'{request.method}' selects {len(chosen)} methods; name one")
@@ -135,11 +178,38 @@ def _draw(bench: Bench, request: DrawPicture) -> PictureDrawn:
         UploadedScene(bench.device, scene) as uploaded,
         Frame(uploaded, chosen[0], fine, running) as frame,
     ):
+        yield frame, chosen[0]
+
+
+def _draw(bench: Bench, request: DrawPicture) -> PictureDrawn:
+    with _opened(bench, request) as (frame, _):
         frame.render()
         image = files.box_downsample(frame.image(), request.ssaa)
+        exposure = frame.scene.scene.exposure
     with _path(request.file).open("wb") as file:
         np.save(file, image)
-    return PictureDrawn(scene.exposure)
+    return PictureDrawn(exposure)
+
+
+def _draw_targets(bench: Bench, request: DrawTargets) -> TargetsDrawn:
+    with _opened(bench, request) as (frame, method):
+        if request.names == [LIST]:
+            chosen = list(targets_of(frame, method).values())
+        elif request.names == [ALL]:
+            chosen = [item for item in targets_of(frame, method).values() if item.readable]
+        else:
+            chosen = [choose(frame, method, name) for name in request.names]
+        if request.names != [LIST]:
+            frame.render()
+            arrays: dict[str, Any] = {str(k): item.read() for k, item in enumerate(chosen)}
+            with _path(request.file).open("wb") as file:
+                np.savez(file, **arrays)
+        exposure = frame.scene.scene.exposure
+    facts = [
+        TargetFacts(item.name, item.format, item.size, item.show, item.unit, item.depth, item.view)
+        for item in chosen
+    ]
+    return TargetsDrawn(exposure, facts)
 
 
 def _path(encoded: bytes) -> Path:

@@ -17,6 +17,7 @@ from oitbench.errors import DeclarationError, locate, unknown
 from oitbench.method.passes import Gather, Interleaved, Loop, Resolve, Step
 from oitbench.method.promises import ALWAYS
 from oitbench.method.storage import Buffer, Target
+from oitbench.method.views import View
 from oitbench.parameters import AnyParameter, Parameter, Value, label
 
 
@@ -57,7 +58,7 @@ class Plan:
 
 _MEMBERS = (
     "expresses", "loop_steps", "may_be_negative", "noisy", "plan", "promises", "quick",
-    "record_step", "requires", "sample_count", "truth",
+    "record_step", "requires", "sample_count", "truth", "views",
 )  # fmt: skip
 """Members of a method that its class can override."""
 
@@ -168,6 +169,11 @@ class Method:
     def may_be_negative(self) -> bool:
         """Whether the method's own formula can give negative pixels, which are then no fault."""
         return False
+
+    @property
+    def views(self) -> Mapping[str, View]:
+        """Quantities that targets hold, by names that no target has."""
+        return {}
 
     def loop_steps(self, fragments: int) -> float:
         """Return the loop steps of the longest shader invocation at a pixel of `fragments`.

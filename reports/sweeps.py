@@ -1,0 +1,253 @@
+"""Error over the value of one numeric parameter, of a scene or of a method.
+
+A curve joins cells that differ in that parameter alone; it needs three values. The truth is the one
+that ranks methods under the effects of the cells: exact compositing, or path tracing if a volume,
+refraction or diffusion runs. A dotted line marks the default. `python -m tests.benchmarks.sweeps`
+runs the sweeps of the near plane and of the parameters of phenomenological transparency.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from oitbench import parameters
+from oitbench.errors import OitbenchError
+from oitbench.method.ablation import REQUESTED
+from oitbench.parameters import AnyParameter, natural
+from oitbench.report import (
+    Artifact,
+    Column,
+    Note,
+    ReportContext,
+    columns,
+    figures,
+    write_table,
+)
+from oitbench.report.artifacts import Row
+from oitbench.report.cells import largest_noise_floor
+from oitbench.results.schema import EXACT, PATH_TRACED, TRUTHS, Record
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from oitbench.plugins import Collection
+
+title = "Sweeps of parameters"
+order = 36
+
+_LEAST_VALUES = 3
+_NOT_COMPOSITED = {"REFRACTION", "DIFFUSION", "VOLUME"}
+_ACROSS = 3
+# Inches of the axes of one sweep with their labels.
+_WIDTH, _HEIGHT = 3.13, 2.7
+# Values whose largest is at least that many times the smallest have a logarithmic axis.
+_WIDE = 8
+# Height of the axes, relative to the largest error.
+_ROOM = 1.15
+
+
+@dataclass(frozen=True)
+class Axis:
+    """The parameter that a sweep varies: of a scene or of a method, by its name."""
+
+    owner: str
+    key: str
+
+
+@dataclass(frozen=True)
+class Curve:
+    """Cells that differ in one parameter alone, with its values, in ascending order.
+
+    `labels` are those of the cells by owner, without that parameter.
+    """
+
+    axis: Axis
+    labels: Mapping[str, str]
+    values: tuple[float, ...]
+    cells: tuple[Record, ...]
+    default: float | None
+
+    @property
+    def truth(self) -> str:
+        """The truth that ranks methods under the effects of these cells."""
+        return PATH_TRACED if _NOT_COMPOSITED & set(self.cells[0].requested_effects) else EXACT
+
+    def errors(self, metric: str) -> list[float]:
+        """Return the error of each cell; NaN if it has none."""
+        found = (cell.metric(self.truth, metric) for cell in self.cells)
+        return [math.nan if error is None else error for error in found]
+
+
+def build(context: ReportContext) -> list[Artifact]:
+    """Draw a figure for each parameter that is swept, and list all points."""
+    from oitbench.plugins import Collection
+
+    found = _curves(context.results.records, Collection.load())
+    curves = [curve for curve in found if any(map(math.isfinite, curve.errors(context.flip)))]
+    if not curves:
+        return [
+            Note(
+                "No parameter has three values in cells that are otherwise equal; a selector such"
+                " as 'NAME[param=1,2,3]' of 'oitbench run' adds them."
+            )
+        ]
+    axes = dict.fromkeys(curve.axis for curve in curves)
+    drawn = [_figure(context, axis, [c for c in curves if c.axis == axis]) for axis in axes]
+    return [*drawn, _table(context, curves)]
+
+
+def _labels(record: Record) -> dict[str, str]:
+    """Return the labels of a cell by the owners of their parameters."""
+    return {"scene": record.scene, "method": record.method}
+
+
+def _curves(records: Sequence[Record], collection: Collection) -> list[Curve]:
+    """Return all curves, by scene and method."""
+    finished = [record for record in records if record.finished]
+    keys = _keys({pair for record in finished for pair in _labels(record).items()})
+    groups: dict[tuple[Axis, tuple[object, ...]], dict[float, Record]] = {}
+    others: dict[tuple[Axis, tuple[object, ...]], tuple[dict[str, str], float | None]] = {}
+    for record in finished:
+        labels = _labels(record)
+        for owner, label in labels.items():
+            selected = parameters.parse(label)
+            known = _parameters(collection, owner, selected.name)
+            for key in keys[owner, selected.name]:
+                default = _number(known[key].default) if key in known else None
+                given = selected.grid.get(key)
+                value = _number(given[0]) if given else default
+                if value is not None:
+                    rest = labels | {owner: _without(label, key)}
+                    place = (*rest.values(), record.size, record.ssaa, record.effects)
+                    group = Axis(owner, key), place
+                    groups.setdefault(group, {})[value] = record
+                    others[group] = rest, default
+    curves = []
+    for (axis, place), cells in groups.items():
+        rest, default = others[axis, place]
+        if len(cells) >= _LEAST_VALUES:
+            values = tuple(sorted(cells))
+            ordered = tuple(cells[value] for value in values)
+            curves.append(Curve(axis, rest, values, ordered, default))
+    return sorted(curves, key=lambda curve: [natural(label) for label in curve.labels.values()])
+
+
+def _keys(labels: set[tuple[str, str]]) -> dict[tuple[str, str], list[str]]:
+    """Return the parameters that any label states, by its owner and the name in it."""
+    found: dict[tuple[str, str], list[str]] = {}
+    for owner, label in sorted(labels):
+        selected = parameters.parse(label)
+        known = found.setdefault((owner, selected.name), [])
+        known += [key for key in selected.grid if key not in known]
+    return found
+
+
+def _parameters(collection: Collection, owner: str, name: str) -> Mapping[str, AnyParameter]:
+    try:
+        plugins = collection.scenes if owner == "scene" else collection.methods
+        return plugins[name].parameters
+    except OitbenchError:
+        return {}  # of another collection, or gone
+
+
+def _without(label: str, key: str) -> str:
+    selected = parameters.parse(label)
+    kept = {name: values for name, values in selected.grid.items() if name != key}
+    return parameters.selector(selected.name, kept)
+
+
+def _number(value: object) -> float | None:
+    """Return a number, or the number that a text holds; None if it is no number."""
+    try:
+        return None if isinstance(value, bool) else float(str(value))
+    except ValueError:
+        return None
+
+
+def _figure(context: ReportContext, axis: Axis, curves: Sequence[Curve]) -> Artifact:
+    """Draw one plot for each scene, size and set of effects."""
+    plots: dict[tuple[object, ...], list[Curve]] = {}
+    for curve in curves:
+        cell = curve.cells[0]
+        plot = curve.labels["scene"], cell.size, cell.ssaa, cell.effects
+        plots.setdefault(plot, []).append(curve)
+    across = min(_ACROSS, len(plots))
+    down = -(-len(plots) // across)
+    with figures.canvas(_WIDTH * across, _HEIGHT * down) as figure:
+        grid = list(figure.subplots(down, across, squeeze=False).flat)
+        for axes in grid[len(plots) :]:
+            axes.remove()
+        for axes, shown in zip(grid, plots.values(), strict=False):
+            _draw(axes, context, axis, shown)
+        caption = (
+            f"Mean {context.flip} over {axis.key} of the {axis.owner}, against the truth that is "
+            "named at each axis. Dotted: the default. Shaded: errors that differ from the lowest "
+            "one by no more than the noise floor."
+        )
+        path = context.out / f"sweep-{axis.owner}-{axis.key}"
+        return figures.save(figure, path, title=f"{axis.key} of the {axis.owner}", caption=caption)
+
+
+def _draw(axes: Axes, context: ReportContext, axis: Axis, curves: Sequence[Curve]) -> None:
+    axes.grid(True, axis="both")
+    values = [value for curve in curves for value in curve.values]
+    if min(values) > 0 and max(values) >= _WIDE * min(values):
+        axes.set_xscale("log")
+        axes.xaxis.set_major_formatter("{x:g}")
+    for place, curve in enumerate(curves):
+        style = context.style(curve.cells[0].method)
+        axes.plot(
+            curve.values,
+            curve.errors(context.flip),
+            color=f"C{place}" if len(curves) > 1 else style.color,
+            marker=("o", "s", "^", "D", "v")[place % 5],
+            markersize=4,
+            linewidth=1.2,
+            label=curve.labels["method"],
+        )
+    default, first = curves[0].default, curves[0]
+    if default is not None:
+        axes.axvline(default, color=figures.QUIET, linewidth=0.9, linestyle=":")
+    errors = [error for curve in curves for error in curve.errors(context.flip)]
+    known = [error for error in errors if math.isfinite(error)]
+    floor = largest_noise_floor(first.cells, context.flip) if first.truth == PATH_TRACED else None
+    if floor:
+        figures.add_band(axes, min(known), min(known) + floor, "ties", at_top=True)
+    axes.set_ylim(0, _ROOM * max(known) or 1)
+    effects = first.cells[0].effects
+    axes.set_title(first.labels["scene"])
+    axes.set_xlabel(axis.key if effects == REQUESTED else f"{axis.key}\neffects {effects}")
+    axes.set_ylabel(f"to {TRUTHS[first.truth]}")
+    axes.legend(fontsize=6, frameon=False)
+
+
+def _table(context: ReportContext, curves: Sequence[Curve]) -> Artifact:
+    heading = (
+        Column("parameter", "Parameter", kind="text"),
+        columns.SCENE,
+        columns.METHOD,
+        Column("effects", "Effects", kind="text"),
+        Column("truth", "Truth", kind="text"),
+        Column("value", "Value"),
+        Column(context.flip, "FLIP", decimals=4, help=f"mean {context.flip} against the truth"),
+    )
+    return write_table(
+        context.out / "sweeps.csv",
+        heading,
+        [row for curve in curves for row in _rows(context, curve)],
+        title="All points of the sweeps",
+        caption=f"Mean {context.flip} of the curves above.",
+        collapsed=True,
+    )
+
+
+def _rows(context: ReportContext, curve: Curve) -> Iterator[Row]:
+    errors = curve.errors(context.flip)
+    for value, cell, error in zip(curve.values, curve.cells, errors, strict=True):
+        yield (
+            curve.axis.key, cell.scene, cell.method, cell.effects, TRUTHS[curve.truth], value,
+            None if math.isnan(error) else error,
+        )  # fmt: skip
