@@ -22,11 +22,25 @@ MapPlace place_in_map(int i, vec3 position) {
     return MapPlace(0.5 + 0.5 * ndc, dot(beams[i].distance, vec4(position, 1.0)), inside);
 }
 
-// A point moved off its surface along the normal `side`, by two texels of the depth map, so that the
+// What is lit.
+struct Receiver {
+    vec3 position;
+    vec3 side;   // unit normal; zero for a medium
+    int kind;    // one of the following
+    vec3 tau;    // its own transmittance
+};
+
+// Whether maps of transparent surfaces hold the receiver itself.
+const int APART = 0;      // no
+const int SHEET = 1;      // yes
+const int PARTICLE = 2;   // yes, as one of many that together are a volume
+
+// The receiver moved off its surface along its normal, by some texels of the depth map, so that the
 // surface does not shadow itself.
-vec3 off_surface(int i, vec3 position, vec3 side) {
+vec3 off_surface(int i, Receiver receiver, float texels) {
+    vec3 position = receiver.position;
     float span = beams[i].place.w == 0.0 ? 1.0 : dot(beams[i].distance, vec4(position, 1.0));
-    return position + 2.0 * beams[i].color.w * span * side;
+    return position + texels * beams[i].color.w * span * receiver.side;
 }
 
 // Fraction of the light that passes the nearest opaque surface, interpolated between four texels.
@@ -68,31 +82,37 @@ float published_visibility(sampler2D map, vec2 place, float distance) {
     return moment_visibility(moments.x, moments.y, distance, 0.0);
 }
 
-// Of moments of transparent surfaces alone, and the weight b of the light that they block. A point
-// `inside` is itself a part of what the map holds, such as a particle of smoke.
-float occluder_visibility(sampler2D map, vec2 place, float distance, bool inside) {
+// Of moments of transparent surfaces alone, and the weight b of the light that they block.
+float occluder_visibility(sampler2D map, vec2 place, float distance, int kind) {
     vec3 sums = filtered_moments(map, place);
     float b = min(sums.z, 1.0);
     if (b <= 0.0) {
         return 1.0;
     }
     vec2 moments = sums.xy / sums.z;
-    return 1.0 - b + b * moment_visibility(moments.x, moments.y, distance, inside ? 0.5 : 0.0);
+    float own = kind == PARTICLE ? 0.5 : 0.0;
+    return 1.0 - b + b * moment_visibility(moments.x, moments.y, distance, own);
 }
 
-// Texel and plane of a point among the slices of a beam, which begin at the distance `first`. A
-// surface is moved toward the light, so that it does not shadow itself.
-vec3 slice_place(int i, vec3 position, vec3 side, bool inside, float first, float thickness) {
-    vec3 off = inside ? vec3(0.0) : float(DOWNSAMPLING) * (off_surface(i, position, side) - position);
-    MapPlace at = place_in_map(i, position + off);
-    return vec3(at.uv, (at.distance - first) / thickness - (inside ? 0.0 : 1.0));
+// Texel and plane of a receiver among the slices of a beam, which begin at the distance `first`. A
+// sheet is moved by one slice toward the light, and off its surface.
+vec3 slice_place(int i, Receiver receiver, float first, float thickness) {
+    bool sheet = receiver.kind == SHEET;
+    float texels = sheet ? 2.0 * float(DOWNSAMPLING) : 0.0;
+    MapPlace at = place_in_map(i, off_surface(i, receiver, texels));
+    return vec3(at.uv, (at.distance - first) / thickness - (sheet ? 1.0 : 0.0));
 }
 
-// Fraction of the light at a place, linear between planes. Behind the last one nothing blocks light.
-float slice_visibility(sampler3D map, vec3 place) {
+// Fraction of the light that reaches a place, linear between planes. A particle has a part in the
+// light at the plane behind it, which is divided by its own transmittance.
+float slice_visibility(sampler3D map, vec3 place, int kind, float own) {
     float planes = float(textureSize(map, 0).z);
-    return textureLod(map, vec3(place.xy, (place.z + 0.5) / planes), 0.0).r;
+    float before = floor(place.z);
+    float near = textureLod(map, vec3(place.xy, (before + 0.5) / planes), 0.0).r;
+    float far = textureLod(map, vec3(place.xy, (before + 1.5) / planes), 0.0).r;
+    far = kind == PARTICLE ? min(far / max(own, 1e-3), near) : far;
+    return mix(near, far, place.z - before);
 }
 #endif
 
-// Samplers and `beam_visibility(i, position, side, inside)` follow, one case per beam.
+// Samplers and `beam_visibility(i, receiver)` follow, one case per beam.

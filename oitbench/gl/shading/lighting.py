@@ -140,7 +140,7 @@ class Lighting(Owner):
                 for name, texture in maps.finished.items()
             ]
             cases.append(f"    if (i == {number}) {{\n{maps.visibility(number)}    }}")
-        head = "vec3 beam_visibility(int i, vec3 position, vec3 side, bool inside) {"
+        head = "vec3 beam_visibility(int i, Receiver receiver) {"
         return "\n".join([*lines, head, "    vec3 lit = vec3(1.0);", *cases, "    return lit;", "}"])
 
     def prepare(self) -> None:

@@ -186,14 +186,14 @@ class ShadowMaps(Owner):
     def visibility(self, number: int) -> str:
         """Return the GLSL that computes the part of beam `number` that arrives."""
         lines = [
-            f"MapPlace at = place_in_map({number}, position);",
+            f"MapPlace at = place_in_map({number}, receiver.position);",
             "if (!at.inside) return lit;",
         ]
         if self._slices is not None:
             lines.append(f"lit = {self._slices.visibility(number)};")
         elif self.channels:
             alone = self._settings.translucent == OCCLUDERS
-            name, last = ("occluder", ", inside") if alone else ("published", "")
+            name, last = ("occluder", ", receiver.kind") if alone else ("published", "")
             reads = [
                 f"{name}_visibility(filtered{k}_map{number}, at.uv, at.distance{last})"
                 for k in range(self.channels)
@@ -201,7 +201,7 @@ class ShadowMaps(Owner):
             lines.append(f"lit = vec3({', '.join(reads)});")
         if self.opaque:
             lines += [
-                f"at = place_in_map({number}, off_surface({number}, position, side));",
+                f"at = place_in_map({number}, off_surface({number}, receiver, 2.0));",
                 f"lit = min(lit, vec3(opaque_visibility(opaque_map{number}, {number}, at)));",
             ]
         return "".join(f"        {line}\n" for line in lines)

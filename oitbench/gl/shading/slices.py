@@ -179,8 +179,14 @@ class OpacitySlices(Owner):
     def visibility(self, number: int) -> str:
         """Return the GLSL expression of the light of beam `number` that arrives, a vec3."""
         constants = f"{self._first:.9e}, {self._thickness:.9e}"
-        place = f"slice_place({number}, position, side, inside, {constants})"
-        reads = [f"slice_visibility({name}_map{number}, {place})" for name in self.textures]
+        place = f"slice_place({number}, receiver, {constants})"
+        own = ["receiver.tau.r", "receiver.tau.g", "receiver.tau.b"]
+        if self._channels == 1:
+            own = ["dot(receiver.tau, vec3(1.0 / 3.0))"]
+        reads = [
+            f"slice_visibility({name}_map{number}, {place}, receiver.kind, {tau})"
+            for name, tau in zip(self.textures, own, strict=True)
+        ]
         return f"vec3({', '.join(reads)})"
 
 
