@@ -34,6 +34,8 @@ class ShadingSettings:
         Factor per axis by which variance maps and slices are smaller than depth maps.
     slices : int
         Planes at which the form "slices" knows the transmittance.
+    rays : int
+        Side of the grid of rays through each texel that the form "slices" averages.
 
     Raises
     ------
@@ -45,6 +47,7 @@ class ShadingSettings:
     shadow_map: int = 1024
     downsampling: int = 4
     slices: int = 64
+    rays: int = 2
 
     def __post_init__(self) -> None:
         for name, value in self.values.items():
@@ -88,11 +91,31 @@ PARAMETERS: Mapping[str, AnyParameter] = {
     "slices": Parameter(
         ShadingSettings.slices, low=2, high=1024, help="planes of the form 'slices'"
     ),
+    "rays": Parameter(
+        ShadingSettings.rays,
+        low=1,
+        high=16,
+        help="side of the grid of rays through each texel of slices",
+    ),
 }
 """The settings by name, in the order of their label."""
 
 
 DEFAULT = ShadingSettings()
+
+
+def read_shading(label: str) -> ShadingSettings:
+    """Return the settings that a label names.
+
+    Raises
+    ------
+    UsageError
+        A name is unknown, a value is not allowed, or there are several.
+    """
+    found = parse_shading([label])
+    if len(found) > 1:
+        raise UsageError(f"{_OWNER}: '{label}' selects {len(found)} settings; give one of each")
+    return found[0]
 
 
 def parse_shading(texts: Sequence[str]) -> tuple[ShadingSettings, ...]:

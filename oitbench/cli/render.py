@@ -24,6 +24,7 @@ from oitbench.matrix.plan import CELL_SECONDS
 @options.size("512x512", "Size of the picture in pixels.")
 @options.ssaa
 @options.effects
+@options.shading
 @options.timeout(CELL_SECONDS, "Seconds that the picture may take.")
 @options.memory
 @options.collections
@@ -34,6 +35,7 @@ def command(
     size: tuple[int, int],
     ssaa: int,
     effects: str,
+    shading: tuple[str, ...],
     timeout: float | None,
     memory_gib: float | None,
     collections: tuple[Path, ...],
@@ -44,7 +46,9 @@ def command(
 
     if out.suffix not in (".exr", ".png"):
         raise UsageError(f"{out}: unknown format of a picture; end the name in .exr or .png")
-    image, exposure = render(scene, method, size, ssaa, effects, collections, timeout, memory_gib)
+    image, exposure = render(
+        scene, method, size, ssaa, effects, collections, timeout, memory_gib, shading
+    )
     if out.suffix == ".exr":
         images.write_exr(out, image)
     else:

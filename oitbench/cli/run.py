@@ -41,6 +41,7 @@ _WIDE = 200
 @options.size(None, "Pixels of the image. Default: the preset's.")
 @options.ssaa
 @options.effects_axis
+@options.shading
 @click.option(
     "--out",
     type=click.Path(path_type=Path),
@@ -76,6 +77,7 @@ def command(
     size: tuple[int, int] | None,
     ssaa: int,
     effects: tuple[str, ...],
+    shading: tuple[str, ...],
     out: Path,
     force: bool,
     timeout: float | None,
@@ -101,7 +103,7 @@ def command(
 
     matrix = plan_matrix(
         scenes, methods, preset, size, effects, ssaa, out, collections, seed, force,
-        timeout, workers, memory_gib,
+        timeout, workers, memory_gib, shading,
     )  # fmt: skip
     console = Console(stderr=True, highlight=False, soft_wrap=True)
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn())

@@ -15,7 +15,7 @@ from oitbench.method.declaration import Method
 _PACKAGE = Path(__file__).resolve().parents[1]
 _ENGINE = (
     "effects.py", "gl", "image/files.py", "matrix/bench.py", "matrix/cell.py", "matrix/stage.py",
-    "matrix/timed_cells.py", "measure", "method", "parameters.py", "scene",
+    "matrix/timed_cells.py", "measure", "method", "parameters.py", "scene", "shading.py",
 )  # fmt: skip
 """Sources that can change a pixel, a count or a time. What scenes are built with is not among them,
 because a scene's fingerprint covers the result."""

@@ -213,16 +213,16 @@ class Bench:
         )
 
     def _prepare(self, cell: Cell) -> Stage:
-        """Return the stage of the cell's scene. It is kept while scene and size stay the same."""
-        wanted = (cell.scene, cell.size, cell.ssaa)
+        """Return the stage of the cell's scene. It is kept while scene, size and settings stay the same."""
+        wanted = (cell.scene, cell.size, cell.ssaa, cell.shading)
         stage = self._stage
-        if stage is not None and (stage.label, stage.size, stage.ssaa) == wanted:
+        if stage is not None and stage.identity == wanted:
             return stage
         self.leave_scene()
         with self.watch.running("rendering"), ExitStack() as stack:
             scene = self.identities.scene(cell.scene)
             self._on_step(_DRAWING_TRUTH)
-            uploaded = stack.enter_context(UploadedScene(self.device, scene))
+            uploaded = stack.enter_context(UploadedScene(self.device, scene, cell.settings))
             truth = self.collection.truth()
             fine = (cell.size[0] * cell.ssaa, cell.size[1] * cell.ssaa)
             with Frame(uploaded, truth, fine, scene.effects & truth.shows) as frame:

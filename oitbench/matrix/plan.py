@@ -14,6 +14,7 @@ from oitbench.errors import UsageError
 from oitbench.matrix.cell import Cell, choose_effects
 from oitbench.method.ablation import EACH, REQUESTED
 from oitbench.results.schema import EXACT, PATH_TRACED
+from oitbench.shading import parse_shading
 from oitbench.workers import memory
 
 CELL_SECONDS = 1800.0
@@ -116,6 +117,7 @@ def plan_matrix(
     timeout: float | None = CELL_SECONDS,
     workers: int = 1,
     memory_gib: float | None = None,
+    shading: Sequence[str] = (),
 ) -> Matrix:
     """Check a request and expand it to cells.
 
@@ -142,6 +144,8 @@ def plan_matrix(
     memory_gib : float, optional
         Memory that one worker may use, in GiB. Default: 75 % of the machine's, divided by the
         number of workers.
+    shading : sequence of str
+        Settings of shared shading, NAME=value,value each; all combinations are run.
 
     Raises
     ------
@@ -161,6 +165,7 @@ def plan_matrix(
     for text in effects:
         if text != EACH:
             choose_effects(text, Effect.NONE)
+    shadings = [one.label for one in parse_shading(shading)]
     limit = memory.limit(memory_gib, workers)
     seconds = LOAD_SECONDS if timeout is None else min(timeout, LOAD_SECONDS)
     truths = (EXACT, PATH_TRACED) if chosen.path_traced else (EXACT,)
@@ -169,8 +174,9 @@ def plan_matrix(
         chosen_scenes = catalog.expand_scenes(scenes or _preset_scenes(catalog, chosen))
         chosen_methods = catalog.expand_methods(methods or _preset_methods(catalog, chosen))
         pairs = [
-            (Cell(scene.label, method.label, size, ssaa, effect, *settings), error)
+            (Cell(scene.label, method.label, size, ssaa, effect, *settings, one), error)
             for scene in chosen_scenes
+            for one in shadings
             for method, axis in _expand_effects(catalog, scene, chosen_methods, effects, timeout)
             for effect in axis
             for error in [scene.error or method.error]

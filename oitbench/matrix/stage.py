@@ -30,6 +30,8 @@ class Stage:
         Width and height of the image in pixels.
     ssaa : int
         Side of the sub-pixel grid.
+    shading : str
+        See `Cell.shading`.
     uploaded : UploadedScene
     exact, exact_transmittance : array, shape (h, w, 3), float32
         The exact truth.
@@ -40,11 +42,17 @@ class Stage:
     label: str
     size: tuple[int, int]
     ssaa: int
+    shading: str
     uploaded: UploadedScene
     exact: Image
     exact_transmittance: Image
     images: dict[str, StoredImage]
     _reference: tuple[Reference, str] | OitbenchError | None = field(default=None, init=False)
+
+    @property
+    def identity(self) -> tuple[str, tuple[int, int], int, str]:
+        """The fields of a cell that have the same stage."""
+        return self.label, self.size, self.ssaa, self.shading
 
     @property
     def scene(self) -> Scene:

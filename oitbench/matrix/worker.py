@@ -20,6 +20,7 @@ from oitbench.measure.rounds import Schedule
 from oitbench.places import Places
 from oitbench.plugins import Collection
 from oitbench.results.schema import Fingerprints, Record, Renderer
+from oitbench.shading import read_shading
 from oitbench.workers.serve import OnStep, serve
 
 
@@ -65,6 +66,7 @@ class DrawPicture(Struct, frozen=True, tag=True):
     ssaa: int
     effects: str
     file: bytes
+    shading: str = ""
 
 
 class Greeting(Struct, frozen=True, tag=True):
@@ -132,7 +134,7 @@ def _draw(bench: Bench, request: DrawPicture) -> PictureDrawn:
     fine = (request.size[0] * request.ssaa, request.size[1] * request.ssaa)
     check_size(bench.device, fine)
     with (
-        UploadedScene(bench.device, scene) as uploaded,
+        UploadedScene(bench.device, scene, read_shading(request.shading)) as uploaded,
         Frame(uploaded, chosen[0], fine, running) as frame,
     ):
         frame.render()

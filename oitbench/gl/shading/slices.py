@@ -78,7 +78,7 @@ class OpacitySlices(Owner):
         self._device, self._channels = device, channels
         self._side, self._planes = settings.small_side, settings.slices
         self._first, self._thickness = _range(geometry, projection, settings.slices)
-        self._rays = settings.downsampling**2
+        self._rays = settings.rays**2
         bytes_ = _WORD * self._side**2 * self._planes
         owner = f"{self._planes} slices of {self._side}x{self._side} texels"
         device.within(owner, bytes_, "GL_MAX_SHADER_STORAGE_BLOCK_SIZE")
@@ -89,7 +89,7 @@ class OpacitySlices(Owner):
         self._bindings = Bindings.of(buffers, counted=False)
         self._views = [
             _shifted(projection, shift).block((self._side, self._side), origin=geometry.origin)
-            for shift in _shifts(settings.downsampling, self._side)
+            for shift in _shifts(settings.rays, self._side)
         ]
         with self.building():
             self._view = self.own(device.context.buffer(self._views[0]))
