@@ -1,8 +1,7 @@
-"""Error over the value of one numeric parameter, of a scene or of a method.
+"""Error over the value of one numeric parameter, of a scene, a method or the shared shading.
 
 A curve joins cells that differ in that parameter alone; it needs three values. The truth is the one
-that ranks methods under the effects of the cells: exact compositing, or path tracing if a volume,
-refraction or diffusion runs. A dotted line marks the default. `python -m tests.benchmarks.sweeps`
+that ranks methods under the effects of the cells. A dotted line marks the default. `python -m tests.benchmarks.sweeps`
 runs the sweeps of the near plane and of the parameters of phenomenological transparency.
 """
 
@@ -28,7 +27,9 @@ from oitbench.report import (
 )
 from oitbench.report.artifacts import Row
 from oitbench.report.cells import largest_noise_floor
-from oitbench.results.schema import EXACT, PATH_TRACED, TRUTHS, Record
+from oitbench.results.schema import Record
+from oitbench.shading import PARAMETERS as SHADING
+from oitbench.truths import TRUTHS
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -39,7 +40,6 @@ title = "Sweeps of parameters"
 order = 36
 
 _LEAST_VALUES = 3
-_NOT_COMPOSITED = {"REFRACTION", "DIFFUSION", "VOLUME"}
 _ACROSS = 3
 # Inches of the axes of one sweep with their labels.
 _WIDTH, _HEIGHT = 3.13, 2.7
@@ -51,7 +51,7 @@ _ROOM = 1.15
 
 @dataclass(frozen=True)
 class Axis:
-    """The parameter that a sweep varies: of a scene or of a method, by its name."""
+    """The parameter that a sweep varies: of a scene, a method or the shading, by its name."""
 
     owner: str
     key: str
@@ -73,7 +73,7 @@ class Curve:
     @property
     def truth(self) -> str:
         """The truth that ranks methods under the effects of these cells."""
-        return PATH_TRACED if _NOT_COMPOSITED & set(self.cells[0].requested_effects) else EXACT
+        return self.cells[0].ranking_truth
 
     def errors(self, metric: str) -> list[float]:
         """Return the error of each cell; NaN if it has none."""
@@ -101,7 +101,8 @@ def build(context: ReportContext) -> list[Artifact]:
 
 def _labels(record: Record) -> dict[str, str]:
     """Return the labels of a cell by the owners of their parameters."""
-    return {"scene": record.scene, "method": record.method}
+    shading = f"shading[{record.shading}]" if record.shading else "shading"
+    return {"scene": record.scene, "method": record.method, "shading": shading}
 
 
 def _curves(records: Sequence[Record], collection: Collection) -> list[Curve]:
@@ -146,6 +147,8 @@ def _keys(labels: set[tuple[str, str]]) -> dict[tuple[str, str], list[str]]:
 
 
 def _parameters(collection: Collection, owner: str, name: str) -> Mapping[str, AnyParameter]:
+    if owner == "shading":
+        return SHADING
     try:
         plugins = collection.scenes if owner == "scene" else collection.methods
         return plugins[name].parameters
@@ -213,7 +216,7 @@ def _draw(axes: Axes, context: ReportContext, axis: Axis, curves: Sequence[Curve
         axes.axvline(default, color=figures.QUIET, linewidth=0.9, linestyle=":")
     errors = [error for curve in curves for error in curve.errors(context.flip)]
     known = [error for error in errors if math.isfinite(error)]
-    floor = largest_noise_floor(first.cells, context.flip) if first.truth == PATH_TRACED else None
+    floor = largest_noise_floor(first.cells, first.truth, context.flip)
     if floor:
         figures.add_band(axes, min(known), min(known) + floor, "ties", at_top=True)
     axes.set_ylim(0, _ROOM * max(known) or 1)

@@ -52,6 +52,7 @@ def _read_names(ctx: click.Context, parameter: click.Parameter, value: str | Non
     help="Side of the grid of sub-pixels, which are averaged. Default: 2; 1 with --target.",
 )
 @options.effects
+@options.shading
 @options.timeout(CELL_SECONDS, "Seconds that the picture may take.")
 @options.memory
 @options.collections
@@ -63,6 +64,7 @@ def command(
     size: tuple[int, int],
     ssaa: int | None,
     effects: str,
+    shading: tuple[str, ...],
     timeout: float | None,
     memory_gib: float | None,
     collections: tuple[Path, ...],
@@ -81,9 +83,9 @@ def command(
     if out.suffix not in (".exr", ".png"):
         raise UsageError(f"{out}: unknown format of a picture; end the name in .exr or .png")
     if targets:
-        _write(out, targets, draw(scene, method, targets, size, ssaa or 1, *rest))
+        _write(out, targets, draw(scene, method, targets, size, ssaa or 1, *rest, shading))
         return
-    image, exposure = picture.render(scene, method, size, ssaa or 2, *rest)
+    image, exposure = picture.render(scene, method, size, ssaa or 2, *rest, shading)
     if out.suffix == ".exr":
         images.write_exr(out, image)
     else:

@@ -219,14 +219,15 @@ class Bench:
         return outcome, reason
 
     def _prepare(self, cell: Cell) -> Stage:
-        """Return the stage of the cell's scene. It is kept while scene and size stay the same."""
-        wanted = (cell.scene, cell.size, cell.ssaa)
+        """Return the stage of the cell's scene, which is kept while its identity stays the same."""
+        wanted = (cell.scene, cell.size, cell.ssaa, cell.shading)
         stage = self._stage
-        if stage is not None and (stage.label, stage.size, stage.ssaa) == wanted:
+        if stage is not None and stage.identity == wanted:
             return stage
         self.leave_scene()
         with self.watch.running("rendering"):
-            uploaded = UploadedScene(self.device, self.identities.scene(cell.scene))
+            scene = self.identities.scene(cell.scene)
+            uploaded = UploadedScene(self.device, scene, cell.settings)
         self._stage = Stage(*wanted, uploaded, self.collection.truth(), self._store)
         return self._stage
 

@@ -58,7 +58,7 @@ vec3 scattered(vec3 position, vec3 onward) {
     for (int i = 0; i < BEAMS; ++i) {
         vec3 light = irradiance(i, position) * phase(dot(toward_light(i, position), onward));
         if (any(greaterThan(light, vec3(0.0)))) {
-            sum += light * beam_visibility(i, position, vec3(0.0));
+            sum += light * beam_visibility(i, Receiver(position, vec3(0.0), APART, vec3(1.0)));
         }
     }
 #ifdef ENVIRONMENT

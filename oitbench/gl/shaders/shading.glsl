@@ -10,6 +10,8 @@ struct Surface {
     float collimation;
     bool isotropic;
     bool binary;         // unfiltered coverage is 0 or 1
+    bool receives;       // shadows
+    bool mapped;         // whether maps of transparent surfaces hold it
 };
 
 Surface surface_at(int material) {
@@ -19,7 +21,7 @@ Surface surface_at(int material) {
     int flags = int(second.w);
     bool isotropic = (flags & 1) != 0;
     return Surface(first.rgb, isotropic ? 0.0 : first.a, second.x, second.y, second.z, isotropic,
-                   (flags & 2) != 0);
+                   (flags & 2) != 0, (flags & 4) != 0, (flags & 8) != 0);
 }
 
 // Schlick 1994; no lobe at all where nothing is reflected at normal incidence.
@@ -47,8 +49,10 @@ float microfacets(Surface surface, vec3 n, vec3 v, vec3 l) {
     return density * 0.5 / max(masking, 1e-8) * fresnel(surface.reflectance, dot(h, v)) * nl;
 }
 
-// Radiance that leaves toward `v`; `openness` is the part of the environment that is not occluded.
-vec3 reflected(Surface surface, vec3 position, vec3 n, vec3 v, float openness) {
+// Radiance that leaves toward `v`; `openness` is the part of the environment that is not occluded, and
+// `tau` the transmittance of the surface.
+vec3 reflected(Surface surface, vec3 position, vec3 n, vec3 v, float openness, vec3 tau) {
+    int kind = !surface.mapped ? APART : surface.isotropic ? PARTICLE : SHEET;
     vec3 sum = vec3(0.0);
     for (int i = 0; i < BEAMS; ++i) {
         vec3 l = toward_light(i, position);
@@ -58,7 +62,9 @@ vec3 reflected(Surface surface, vec3 position, vec3 n, vec3 v, float openness) {
                                               microfacets(surface, n, v, l);
         if (any(greaterThan(factor, vec3(0.0)))) {
             vec3 side = surface.isotropic ? l : n;
-            sum += factor * irradiance(i, position) * beam_visibility(i, position, side);
+            vec3 light = factor * irradiance(i, position);
+            Receiver receiver = Receiver(position, side, kind, tau);
+            sum += surface.receives ? light * beam_visibility(i, receiver) : light;
         }
     }
 #ifdef ENVIRONMENT

@@ -22,9 +22,8 @@ from oitbench.gl.shading.shadows import ShadowMaps
 from oitbench.gl.view import Projection, light_projection
 from oitbench.scene import PENUMBRA, DirectionalLight, Floats, SpotLight, unit
 from oitbench.scene.checks import single_precision
+from oitbench.shading import DEFAULT, ShadingSettings
 
-MAP_SIDE = 1024
-"""Texels along each side of a light's depth maps; variance maps have a quarter."""
 _BEAM_BYTES, _HARMONICS_BYTES = 144, 144
 _CASTING = Effect.SHADOWS | Effect.TRANSLUCENT_SHADOWS
 _NO_PROJECTION = Projection(np.eye(4), np.eye(4), 1.0, 2.0, 1.0, np.zeros(4))
@@ -39,8 +38,7 @@ class Lighting(Owner):
     geometry : Geometry
     effects : Effect
         Running effects of shading.
-    map_side : int
-        Texels along each side of a depth map.
+    settings : ShadingSettings
 
     Attributes
     ----------
@@ -57,12 +55,16 @@ class Lighting(Owner):
     """
 
     def __init__(
-        self, device: Device, geometry: Geometry, effects: Effect, map_side: int = MAP_SIDE
+        self,
+        device: Device,
+        geometry: Geometry,
+        effects: Effect,
+        settings: ShadingSettings = DEFAULT,
     ) -> None:
         super().__init__()
         scene = geometry.scene
         self._beams = scene.beams
-        self._drawn = False
+        self._drawn, self._settings = False, settings
         owner = f"a scene of {len(self._beams)} directional and spot lights"
         size = (len(self._beams) + 1) * _BEAM_BYTES + _HARMONICS_BYTES
         device.within(owner, size, "GL_MAX_UNIFORM_BLOCK_SIZE")
@@ -77,7 +79,7 @@ class Lighting(Owner):
             self.maps = [
                 None
                 if projection is None
-                else self.own(ShadowMaps(device, geometry, effects, projection, map_side))
+                else self.own(ShadowMaps(device, geometry, effects, projection, settings))
                 for projection in self._projections
             ]
             if scene.environment is not None:
@@ -85,7 +87,9 @@ class Lighting(Owner):
                 self._environment = self.own(upload_environment(device, texels))
                 harmonics = irradiance_harmonics(texels)
             self.medium = self.own(UploadedMedium(device, scene.medium))
-            self.block = self.own(device.context.buffer(self._bytes(harmonics, map_side)))
+            self.block = self.own(
+                device.context.buffer(self._bytes(harmonics, settings.shadow_map))
+            )
 
     def _bytes(self, harmonics: Floats, map_side: int) -> bytes:
         parts = []
@@ -102,6 +106,8 @@ class Lighting(Owner):
     def inputs(self, effects: Effect) -> ShadingInputs:
         """Return the inputs of shaders under all running `effects`."""
         lines = [f"#define BEAMS {len(self._beams)}"]
+        if any(self.maps):
+            lines.append(f"#define DOWNSAMPLING {self._settings.downsampling}")
         if self._environment is not None:
             lines.append("#define ENVIRONMENT 1")
         return ShadingInputs(
@@ -130,10 +136,16 @@ class Lighting(Owner):
         for number, maps in enumerate(self.maps):
             if maps is None or not maps.finished:
                 continue
-            lines += [f"uniform sampler2D {name}_map{number};" for name in maps.finished]
-            cases.append(f"    if (i == {number}) {{\n{_visibility(number, maps)}    }}")
-        head = "vec3 beam_visibility(int i, vec3 position, vec3 side) {\n    vec3 lit = vec3(1.0);"
-        return "\n".join([*lines, head, *cases, "    return lit;", "}"])
+            lines += [
+                f"uniform {'sampler3D' if isinstance(texture, moderngl.Texture3D) else 'sampler2D'}"
+                f" {name}_map{number};"
+                for name, texture in maps.finished.items()
+            ]
+            cases.append(f"    if (i == {number}) {{\n{maps.visibility(number)}    }}")
+        head = "vec3 beam_visibility(int i, Receiver receiver) {"
+        return "\n".join(
+            [*lines, head, "    vec3 lit = vec3(1.0);", *cases, "    return lit;", "}"]
+        )
 
     def prepare(self) -> None:
         """Draw all shadow maps unless they are drawn: they do not depend on the camera."""
@@ -177,23 +189,3 @@ def _beam(light: DirectionalLight | SpotLight, seen: Projection, map_side: int) 
         color = light.intensity
     bounds = np.array([seen.near, seen.far, PENUMBRA, 0.0])
     return [place, axis, np.array([*color, texel]), seen.distance_row, bounds]
-
-
-def _visibility(number: int, maps: ShadowMaps) -> str:
-    """Return the GLSL that computes the part of beam `number` that arrives."""
-    lines = [
-        f"MapPlace at = place_in_map({number}, position);",
-        "if (!at.inside) return lit;",
-    ]
-    if maps.channels:
-        reads = [
-            f"variance_visibility(filtered{k}_map{number}, at.uv, at.distance)"
-            for k in range(maps.channels)
-        ]
-        lines.append(f"lit = vec3({', '.join(reads)});")
-    if maps.opaque:
-        lines += [
-            f"at = place_in_map({number}, off_surface({number}, position, side));",
-            f"lit = min(lit, vec3(opaque_visibility(opaque_map{number}, {number}, at)));",
-        ]
-    return "".join(f"        {line}\n" for line in lines)
