@@ -17,6 +17,7 @@ from oitbench.errors import CapabilityError, SceneError
 from oitbench.gl.device import Device
 from oitbench.gl.ownership import Owner
 from oitbench.scene import Material
+from oitbench.scene.environment import lobe_number, rough_lobes
 from oitbench.scene.texturing import distinct_images, premultiplied_pyramid
 
 MATERIALS_ACROSS = 1024
@@ -150,16 +151,18 @@ def upload_materials(device: Device, materials: Sequence[Material]) -> moderngl.
     rows = math.ceil(len(materials) / MATERIALS_ACROSS)
     device.within(f"a scene of {len(materials)} materials", rows, "GL_MAX_TEXTURE_SIZE")
     numbers = np.zeros((rows * MATERIALS_ACROSS, 8), dtype=np.float32)
-    numbers[: len(materials)] = [_row_of(material) for material in materials]
+    lobes = rough_lobes(materials)
+    numbers[: len(materials)] = [_row_of(material, lobes) for material in materials]
     size = (2 * MATERIALS_ACROSS, rows)
     texture = device.context.texture(size, 4, numbers.tobytes(), dtype="f4")
     texture.filter = (moderngl.NEAREST, moderngl.NEAREST)
     return texture
 
 
-def _row_of(material: Material) -> list[float]:
+def _row_of(material: Material, lobes: Sequence[float]) -> list[float]:
     index = material.index if material.refracts else 1.0
     flags = int(material.isotropic) + 2 * int(material.binary_coverage)
+    flags += 4 * lobe_number(material, lobes)
     return [
         *material.albedo, material.reflectance,
         material.roughness, index, material.collimation, float(flags),

@@ -13,6 +13,7 @@ camera     `Camera`
 coincidence surfaces that lie in one plane
 material   `Material` and `Texture`: how surfaces cover, transmit and reflect
 lights     directional, spot and environment lights
+environment means of an environment light's radiance, by direction
 medium     `Medium`: fog
 vectors    types of vectors, colors and arrays, and vector algebra
 checks     validation of values

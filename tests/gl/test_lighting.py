@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 from oitbench.gl.device import Device
-from oitbench.gl.shading.environment import irradiance_harmonics
 from oitbench.modeling.mesh import quad
 from oitbench.scene import (
     PENUMBRA,
@@ -197,18 +196,6 @@ def test_a_map_of_one_channel_equals_its_gray_map(device: Device) -> None:
         for texels in (gray, np.repeat(gray[..., None], 3, axis=2))
     )
     np.testing.assert_array_equal(one, other)
-
-
-@pytest.mark.parametrize(("name", "direction"), DIRECTIONS)
-def test_harmonics_give_the_irradiance_of_a_map(name: str, direction: RGB) -> None:
-    found = irradiance_harmonics(lit_from(direction))
-    n = np.asarray(direction, dtype=np.float64)
-    x, y, z = n
-    basis = np.array([1, y, z, x, x * y, y * z, 3 * z * z - 1, x * z, x * x - y * y])
-    exact = math.pi * math.sin(math.radians(30)) ** 2
-    np.testing.assert_allclose(basis @ found, np.full(3, exact), rtol=0.12)
-    opposite = np.array([1, -y, -z, -x, x * y, y * z, 3 * z * z - 1, x * z, x * x - y * y])
-    assert abs(opposite @ found).max() < 0.12 * math.pi
 
 
 def test_density_is_sampled_at_cell_centers() -> None:

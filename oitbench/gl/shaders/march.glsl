@@ -62,7 +62,7 @@ vec3 scattered(vec3 position, vec3 onward) {
         }
     }
 #ifdef ENVIRONMENT
-    sum += surrounding_radiance();
+    sum += surroundings.rgb;
 #endif
     return medium_color.rgb * sum * radiance_gain;
 }

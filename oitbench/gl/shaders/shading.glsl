@@ -10,6 +10,7 @@ struct Surface {
     float collimation;
     bool isotropic;
     bool binary;         // unfiltered coverage is 0 or 1
+    int lobe;            // number of its lobe, from 1; 0 for a smooth surface
 };
 
 Surface surface_at(int material) {
@@ -19,7 +20,7 @@ Surface surface_at(int material) {
     int flags = int(second.w);
     bool isotropic = (flags & 1) != 0;
     return Surface(first.rgb, isotropic ? 0.0 : first.a, second.x, second.y, second.z, isotropic,
-                   (flags & 2) != 0);
+                   (flags & 2) != 0, flags >> 2);
 }
 
 // Schlick 1994; no lobe at all where nothing is reflected at normal incidence.
@@ -63,12 +64,13 @@ vec3 reflected(Surface surface, vec3 position, vec3 n, vec3 v, float openness) {
     }
 #ifdef ENVIRONMENT
     if (surface.isotropic) {
-        return sum + surface.albedo * surrounding_radiance() * openness;
+        return sum + surface.albedo * surroundings.rgb * openness;
     }
-    sum += surface.albedo / PI * surrounding_irradiance(n) * openness;
-    if (surface.reflectance > 0.0) {
-        sum += fresnel(surface.reflectance, dot(n, v)) *
-               environment_radiance(reflect(-v, n), surface.roughness);
+    sum += surface.albedo * surrounding_light(n) * openness;
+    if (surface.lobe > 0) {
+        sum += mirrored(surface.lobe, surface.reflectance, n, v);
+    } else if (surface.reflectance > 0.0) {
+        sum += fresnel(surface.reflectance, dot(n, v)) * environment_radiance(reflect(-v, n));
     }
 #endif
     return sum;
