@@ -29,7 +29,7 @@ from oitbench.scene.lights import (
     Light,
     SpotLight,
 )
-from oitbench.scene.material import Material, Texture
+from oitbench.scene.material import LEAST_LOBE, Material, Texture
 from oitbench.scene.medium import Medium, sample_density
 from oitbench.scene.model import Scene
 from oitbench.scene.objects import FragmentLists, Mesh, Object
@@ -48,6 +48,7 @@ from oitbench.scene.vectors import (
 
 __all__ = [
     "BLACK",
+    "LEAST_LOBE",
     "PENUMBRA",
     "RGB",
     "WHITE",

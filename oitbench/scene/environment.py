@@ -167,14 +167,14 @@ def _flux(texels: Floats) -> Floats:
         for count, side in zip((rows, columns), texels.shape[:2], strict=True)
     ]
     polar, longitude = ((np.arange(count) + 0.5) / count for count in fine)
-    radiance = _bilinear(texels, polar, longitude)
+    radiance = bilinear(texels, polar, longitude)
     edges = np.cos(np.linspace(0, math.pi, fine[0] + 1))
     flux = radiance * ((edges[:-1] - edges[1:]) * (2 * math.pi / fine[1]))[:, None, None]
     down, across = fine[0] // rows, fine[1] // columns
     return np.asarray(flux.reshape(rows, down, columns, across, 3).sum(axis=(1, 3)))
 
 
-def _bilinear(texels: Floats, polar: Floats, longitude: Floats) -> Floats:
+def bilinear(texels: Floats, polar: Floats, longitude: Floats) -> Floats:
     """Return texels between their centers: clamped in latitude, wrapped in longitude.
 
     Places are fractions of the map.

@@ -11,6 +11,7 @@ import pytest
 from oitbench.gl.device import Device
 from oitbench.modeling.mesh import quad
 from oitbench.scene import (
+    LEAST_LOBE,
     PENUMBRA,
     RGB,
     Camera,
@@ -87,9 +88,16 @@ def test_highlights_equal_the_model(device: Device, roughness: float) -> None:
     assert found.max() > 3 * np.median(found) or roughness > 0.3
 
 
-def test_a_mirror_reflects_no_directional_light(device: Device) -> None:
+def test_a_mirror_shows_a_beam_in_a_narrow_lobe(device: Device) -> None:
     mirror = Material(specular=0.5, roughness=0.0)
-    assert not shown(device, mirror, DirectionalLight((0.1, -1.0, 0.8))).any()
+    narrow = Material(specular=0.5, roughness=LEAST_LOBE)
+    mirrored = (0.3, -2.0, 1.5)
+    to_light = np.broadcast_to(unit(-np.array(mirrored)), (*SIZE, 3))
+    expected = lobe(narrow, to_light, unit(np.asarray(EYE) - points()))
+    found = shown(device, mirror, DirectionalLight(mirrored))
+    np.testing.assert_allclose(found, np.broadcast_to(expected, found.shape), rtol=5e-3)
+    assert found.max() > 300
+    assert np.median(found) < 0.01 * found.max()
 
 
 def test_a_spot_light_falls_off_with_distance_and_angle(device: Device) -> None:

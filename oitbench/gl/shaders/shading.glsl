@@ -30,11 +30,13 @@ float fresnel(float reflectance, float cosine) {
     return reflectance > 0.0 ? reflectance + (1.0 - reflectance) * fifth : 0.0;
 }
 
-// Walter et al. 2007; `l` and `v` lie on the side of `n`.
+// The lobe of a beam from `l` times the cosine: Walter et al. 2007, with a least roughness, as a beam
+// would be a point in a mirror. `l` and `v` lie on the side of `n`.
 float microfacets(Surface surface, vec3 n, vec3 v, vec3 l) {
-    float a = surface.roughness * surface.roughness;
+    float roughness = max(surface.roughness, LEAST_LOBE);
+    float a = roughness * roughness;
     float nl = dot(n, l), nv = max(dot(n, v), 1e-4);
-    if (a <= 0.0 || surface.reflectance <= 0.0 || nl <= 0.0) {
+    if (surface.reflectance <= 0.0 || nl <= 0.0) {
         return 0.0;
     }
     vec3 h = normalize(l + v);
