@@ -12,6 +12,7 @@ from collections.abc import Callable, Iterable, Sequence
 import numpy as np
 
 from oitbench.scene.material import Material
+from oitbench.scene.model import Scene
 from oitbench.scene.vectors import Floats
 
 PATCHES = 128
@@ -33,6 +34,13 @@ def even_points(count: int) -> Floats:
 def mean_radiance(texels: Floats) -> Floats:
     """Return the mean of a map over all directions, shape (3,)."""
     return np.asarray(_flux(texels).sum(axis=(0, 1)) / (4 * math.pi))
+
+
+def ambient_of_medium(scene: Scene) -> Floats:
+    """Return the radiance from all sides that lights the medium of a scene, shape (3,)."""
+    if scene.medium is not None and scene.medium.ambient is not None:
+        return np.array(scene.medium.ambient, dtype=np.float64)
+    return np.zeros(3) if scene.environment is None else mean_radiance(scene.environment.texels)
 
 
 def weighted_means(texels: Floats, weight: Callable[[Floats], Floats]) -> Floats:
@@ -162,10 +170,10 @@ def _middles(rows: int) -> tuple[Floats, Floats]:
 def _flux(texels: Floats) -> Floats:
     """Return radiance times solid angle of each patch, shape (PATCHES, 2 PATCHES, 3)."""
     rows, columns = PATCHES, 2 * PATCHES
-    fine = [
-        count * max(1, math.ceil(2 * side / count))
-        for count, side in zip((rows, columns), texels.shape[:2], strict=True)
-    ]
+    fine = []
+    for count, side in zip((rows, columns), texels.shape[:2], strict=True):
+        cells = side if side >= 4 * count else 2 * side  # the middles of many texels are enough
+        fine.append(count * math.ceil(cells / count))
     polar, longitude = ((np.arange(count) + 0.5) / count for count in fine)
     radiance = bilinear(texels, polar, longitude)
     edges = np.cos(np.linspace(0, math.pi, fine[0] + 1))

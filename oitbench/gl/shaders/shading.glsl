@@ -61,7 +61,11 @@ vec3 reflected(Surface surface, vec3 position, vec3 n, vec3 v, float openness) {
                                               microfacets(surface, n, v, l);
         if (any(greaterThan(factor, vec3(0.0)))) {
             vec3 side = surface.isotropic ? l : n;
-            sum += factor * irradiance(i, position) * beam_visibility(i, position, side);
+            sum += factor * irradiance(i, position) * beam_visibility(i, position, side)
+#ifdef MEDIUM
+                   * passing_medium(i, position, DIMMING_STEPS)
+#endif
+                ;
         }
     }
 #ifdef ENVIRONMENT

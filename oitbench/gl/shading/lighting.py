@@ -83,7 +83,7 @@ class Lighting(Owner):
                     UploadedEnvironment(device, scene.environment, materials)
                 )
                 mean = mean_radiance(scene.environment.texels)
-            self.medium = self.own(UploadedMedium(device, scene.medium))
+            self.medium = self.own(UploadedMedium(device, scene))
             self.block = self.own(device.context.buffer(self._bytes(mean, map_side)))
 
     def _bytes(self, mean: Floats, map_side: int) -> bytes:

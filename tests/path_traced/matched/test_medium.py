@@ -6,8 +6,11 @@ import dataclasses
 import math
 
 import numpy as np
+import pytest
 
 from oitbench.effects import Effect
+from oitbench.measure.oracle import composite
+from oitbench.path_traced.matched.render import matched
 from oitbench.scene import (
     Camera,
     DirectionalLight,
@@ -17,7 +20,13 @@ from oitbench.scene import (
     Material,
     Medium,
     Scene,
+    SpotLight,
+    sample_density,
 )
+from tests.helpers import BACKGROUND
+from tests.methods.foggy import CAMERA, HIGH, LAMP, LOW, SIZE, SUN, wall
+from tests.methods.foggy import FOG as HAZE
+from tests.models import fog as model
 from tests.path_traced.agreement import needs_mitsuba
 from tests.path_traced.matched.scenes import ABOVE, PAPER, floor, image
 
@@ -85,3 +94,27 @@ def test_fog_that_is_left_out_is_not_there() -> None:
     scene = _fog(FOG, DOWN, SKY)
     found = image(scene, scene.effects & ~Effect.VOLUME)
     np.testing.assert_array_equal(found, image(dataclasses.replace(scene, medium=None)))
+
+
+def test_a_medium_may_have_its_own_ambient_light() -> None:
+    brown = dataclasses.replace(FOG, ambient=(0.3, 0.2, 0.1))
+    expected = PASSED * np.array([1.0, 2.0, 3.0])
+    expected += (1 - PASSED) * np.multiply(FOG.albedo, (0.3, 0.2, 0.1))
+    _same(image(_fog(brown, SKY)), expected)
+
+
+@pytest.mark.parametrize("light", [SUN, LAMP], ids=["sun", "lamp"])
+def test_slices_that_are_composited_in_order_give_the_same_fog(
+    light: DirectionalLight | SpotLight,
+) -> None:
+    """The slices are those of OpenGL's march, see `test_the_march_follows_the_model`."""
+    density = sample_density(
+        lambda p: 0.5 + 0.1 * p[..., 0] - 0.15 * p[..., 2], LOW, HIGH, (5, 4, 3)
+    )
+    medium = dataclasses.replace(HAZE, density=density)
+    scene = Scene("haze", CAMERA, (wall(),), lights=(light,), medium=medium)
+    slices = model.march(CAMERA, medium, SIZE, 256, 3.0, (light,)).lists()
+    expected = composite(slices, BACKGROUND)
+    found = matched(scene, SIZE, 1, Effect.VOLUME | Effect.COVERAGE, samples=8)
+    np.testing.assert_allclose(found, expected, rtol=0.03)
+    np.testing.assert_allclose(found.mean(axis=(0, 1)), expected.mean(axis=(0, 1)), rtol=2e-3)
