@@ -61,7 +61,7 @@ def weighted_means(texels: Floats, weight: Callable[[Floats], Floats]) -> Floats
     """
     nodes = NODES, 2 * (NODES - 1), 3
     if (texels == texels[0, 0]).all():
-        return np.broadcast_to(texels[0, 0], nodes)
+        return np.asarray(np.broadcast_to(texels[0, 0], nodes))
     flux, (polar, longitude) = _flux(texels), _middles(PATCHES)
     columns = 2 * PATCHES
     top = np.linspace(0, math.pi, NODES)
@@ -76,7 +76,7 @@ def weighted_means(texels: Floats, weight: Callable[[Floats], Floats]) -> Floats
         product = (np.fft.rfft(kernel, axis=1)[..., None] * spectrum).sum(axis=0)
         found = np.fft.irfft(product, columns, axis=0)[:: columns // nodes[1]]
         rows.append(found / (kernel * area[:, None]).sum())
-    return np.maximum(np.stack(rows), 0)
+    return np.asarray(np.maximum(np.stack(rows), 0))
 
 
 def cosine_weight(cosine: Floats) -> Floats:
