@@ -155,7 +155,7 @@ class Phenomenological(oit.Method):
     light_steps = oit.Parameter(
         8,
         low=1,
-        high=64,
+        high=32,
         help="of the march from each slice to a light, if the density of the medium varies",
     )
     precision = oit.Parameter(

@@ -115,6 +115,16 @@ def test_varying_fog_dims_beams_in_steps(device: Device, light_steps: int) -> No
     assert abs(expected / other - 1).max() > 5e-4
 
 
+def test_the_longest_march_comes_to_its_end(device: Device) -> None:
+    """Drivers end long loops; those toward a light must be short enough to be unrolled."""
+    scene = foggy(replace(FOG, density=RAMP), (SUN, LAMP))
+    short, long = (
+        render(device, scene, f"phenomenological[precision=float,{steps}]", size=SIZE)
+        for steps in ("steps=128,light_steps=8", "steps=4096,light_steps=32")
+    )
+    np.testing.assert_allclose(long.mean(axis=(0, 1)), short.mean(axis=(0, 1)), rtol=1e-3)
+
+
 def test_uniform_fog_dims_beams_by_its_closed_form(device: Device) -> None:
     """The sun shines straight down into fog whose top is one meter above the line of sight."""
     medium = Medium(0.7, (-5, -5, -3.5), (5, 1, -0.8), albedo=FOG.albedo)
