@@ -54,7 +54,7 @@ def test_a_rough_mirror_gathers_its_lobe(device: Device, roughness: float, degre
     v = math.cos(angle) * n + math.sin(angle) * unit(np.cross(n, (0, 1, 0)))
     found, toward = _seen(device, Material(specular=0.3, roughness=roughness), n, v, model.sky())
     expected = [model.mirrored(model.sky(), n, one, 0.3, roughness) for one in toward[:1]]
-    np.testing.assert_allclose(found[:1], expected, rtol=0.02 if degrees == 0 else 0.06)
+    np.testing.assert_allclose(found[:1], expected, rtol=0.03 if degrees < 60 else 0.06)
 
 
 @pytest.mark.parametrize("roughness", [0.25, 1.0])
