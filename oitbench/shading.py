@@ -6,9 +6,9 @@ both values. Settings do not depend on the scene, the method or the size of the 
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
-from typing import Any, cast
+from typing import Any
 
 from oitbench import parameters
 from oitbench.errors import UsageError
@@ -128,8 +128,5 @@ def parse_shading(texts: Sequence[str]) -> tuple[ShadingSettings, ...]:
         A name is unknown, or a value is not allowed.
     """
     selected = parameters.parse(f"{_OWNER}[{','.join(texts)}]")
-    found = [
-        ShadingSettings(**cast("dict[str, Any]", values))
-        for values in parameters.expand(selected, PARAMETERS)
-    ]
-    return tuple(dict.fromkeys(found))
+    grid: Iterable[dict[str, Any]] = parameters.expand(selected, PARAMETERS)
+    return tuple(dict.fromkeys(ShadingSettings(**values) for values in grid))

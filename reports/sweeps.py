@@ -1,8 +1,9 @@
 """Error over the value of one numeric parameter, of a scene, a method or the shared shading.
 
 A curve joins cells that differ in that parameter alone; it needs three values. The truth is the one
-that ranks methods under the effects of the cells. A dotted line marks the default. `python -m tests.benchmarks.sweeps`
-runs the sweeps of the near plane and of the parameters of phenomenological transparency.
+that ranks methods under the effects of the cells. A dotted line marks the default.
+`python -m tests.benchmarks.sweeps` runs the sweeps of the near plane and of the parameters of
+phenomenological transparency.
 """
 
 from __future__ import annotations

@@ -45,7 +45,8 @@ def _read_kind(ctx: click.Context, parameter: click.Parameter, value: str | None
 def command(kind: str | None, as_json: bool, measure: bool, collections: tuple[Path, ...]) -> None:
     """List methods, scenes, effects, settings of shading or reports, with their parameters.
 
-    The default is all of them. `oitbench list methods --measure` prints the table of methods of the README.
+    The default is all of them. `oitbench list methods --measure` prints the table of methods of the
+    README.
     """
     if measure:
         _print_overview(collections, kind)

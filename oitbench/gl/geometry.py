@@ -25,7 +25,7 @@ from oitbench.gl.surface_textures import (
 )
 from oitbench.gl.view import view_block
 from oitbench.method.passes import Objects, Order
-from oitbench.scene import BLACK, FragmentLists, Material, Object, Scene, Vector
+from oitbench.scene import BLACK, LEAST_LOBE, FragmentLists, Material, Object, Scene, Vector
 from oitbench.scene.texturing import constants_of, image_key, images_of
 
 VERTEX = np.dtype(
@@ -158,11 +158,12 @@ class Geometry(Owner):
         """Facts about the scene that the surface shader needs at compile time."""
         if self.has_lists:
             return f"#define LISTS {self._storeys}"
-        found: dict[str, int] = {}
+        found: dict[str, float] = {}
         if self._images is not None:
             found |= {"TEXTURED": 1, **self._images.slots.macros}
         if "surface_materials" in self.textures:
             found |= {"DETAILED": 1, "MATERIALS_ACROSS": MATERIALS_ACROSS}
+            found["LEAST_LOBE"] = LEAST_LOBE
         if self.planes is not None:
             found["PLANES"] = 1
         return "\n".join(f"#define {name} {value}" for name, value in found.items())

@@ -17,6 +17,7 @@ from oitbench.errors import CapabilityError, SceneError
 from oitbench.gl.device import Device
 from oitbench.gl.ownership import Owner
 from oitbench.scene import Material, Object
+from oitbench.scene.environment import lobe_number, rough_lobes
 from oitbench.scene.texturing import distinct_images, premultiplied_pyramid
 
 MATERIALS_ACROSS = 1024
@@ -155,19 +156,21 @@ def upload_surfaces(device: Device, objects: Sequence[Object]) -> moderngl.Textu
     rows = math.ceil(len(objects) / MATERIALS_ACROSS)
     device.within(f"a scene of {len(objects)} surfaces", rows, "GL_MAX_TEXTURE_SIZE")
     numbers = np.zeros((rows * MATERIALS_ACROSS, 8), dtype=np.float32)
-    numbers[: len(objects)] = [_row_of(item) for item in objects]
+    lobes = rough_lobes([item.material for item in objects])
+    numbers[: len(objects)] = [_row_of(item, lobes) for item in objects]
     size = (2 * MATERIALS_ACROSS, rows)
     texture = device.context.texture(size, 4, numbers.tobytes(), dtype="f4")
     texture.filter = (moderngl.NEAREST, moderngl.NEAREST)
     return texture
 
 
-def _row_of(item: Object) -> list[float]:
+def _row_of(item: Object, lobes: Sequence[float]) -> list[float]:
     material = item.material
     index = material.index if material.refracts else 1.0
     mapped = item.casts and not material.opaque
     facts = (material.isotropic, material.binary_coverage, item.receives_shadows, mapped)
     flags = sum(fact << bit for bit, fact in enumerate(facts))
+    flags += lobe_number(material, lobes) << len(facts)
     return [
         *material.albedo, material.reflectance,
         material.roughness, index, material.collimation, float(flags),

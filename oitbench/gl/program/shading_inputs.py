@@ -24,7 +24,7 @@ class ShadingInputs:
     shadows : str
         Samplers of shadow maps, and the function `beam_visibility` that reads them.
     medium : str
-        Macros of `march.glsl`.
+        Macros of `medium.glsl`; empty unless the medium runs.
     occluded : bool
         Whether surfaces hide the environment from each other.
     samplers : mapping of str to texture
