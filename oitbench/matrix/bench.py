@@ -248,8 +248,7 @@ class Bench:
             truth = self._traced(stage, kind, chosen)
             scores[kind] = self._score(scorer, kind, truth)
             if kind == MATCHED and isinstance(truth, Truth):
-                running = stage.scene.effects & chosen
-                reason = disagreement(running, exact.truth, truth, stage.scene.exposure)
+                reason = self._disagreement(stage, chosen, exact.truth, truth)
         if stage.scene.effects & ~chosen:
             kind = ranking_truth(stage.scene.effects)
             if kind == EXACT:
@@ -258,6 +257,14 @@ class Bench:
                 whole = self._traced(stage, kind, ~Effect.NONE)
                 scores[WHOLE] = self._score(scorer, WHOLE, whole)
         return scores, reason
+
+    def _disagreement(self, stage: Stage, chosen: Effect, exact: Truth, matched: Truth) -> str:
+        """Return why two truths contradict each other, which all cells of a panel share, or ""."""
+        running = stage.scene.effects & chosen
+        if running not in stage.disagreements:
+            found = disagreement(running, exact, matched, stage.scene.exposure)
+            stage.disagreements[running] = found
+        return stage.disagreements[running]
 
     def _traced(self, stage: Stage, kind: str, chosen: Effect) -> Truth | CapabilityError:
         """Return a traced truth, or why this machine cannot render it."""

@@ -91,6 +91,11 @@ class Stage:
     method : Method
         Exact compositing.
     store : Store
+
+    Attributes
+    ----------
+    disagreements : dict of Effect to str
+        Why truths contradict each other, or "", by the effects that run.
     """
 
     label: str
@@ -100,6 +105,7 @@ class Stage:
     uploaded: UploadedScene
     method: Method
     store: Store
+    disagreements: dict[Effect, str] = field(default_factory=dict, init=False)
     _exact: dict[Effect, Exact] = field(default_factory=dict, init=False)
     _traced: dict[str, Truth | OitbenchError] = field(default_factory=dict, init=False)
 

@@ -281,6 +281,12 @@ class Record(_Typed, frozen=True):
         return scores.noise_floor.get(name) if scores else None
 
     @property
+    def whole_truth(self) -> str:
+        """The key of the scores against the ranking truth with all effects of the scene."""
+        left_out = self.outcome is not None and WHOLE in self.outcome.scores
+        return WHOLE if left_out else self.ranking_truth
+
+    @property
     def ranking_truth(self) -> str:
         """The truth that ranks the methods of the scene with the effects of this cell."""
         return ranking_truth(effects_of(self.requested_effects))
