@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import enum
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 
 
 class Effect(enum.Flag):
@@ -56,3 +56,11 @@ SHADING = (
 def names(effects: Effect) -> list[str]:
     """Return the names of the single effects in `effects`, in order of definition."""
     return [e.name for e in Effect if e in effects and e.name and e is not Effect.NONE]
+
+
+def effects_of(names: Iterable[str]) -> Effect:
+    """Return the effects with the names that `names` gives them."""
+    found = Effect.NONE
+    for name in names:
+        found |= Effect[name]
+    return found

@@ -1,8 +1,9 @@
 """Every picture against the same picture with one effect left out.
 
 The cost of an effect is the frame time, memory and traffic that leaving it out saves, including
-shared shading such as shadow maps. Its gain is the increase of the path-traced error when it is
-left out. A gain within the noise floor of the path-traced reference is a tie.
+shared shading such as shadow maps. Its gain is the increase of the error when it is left out,
+against the truth that ranks the scene with all effects. A gain that is not clearly different from
+zero, by a jackknife over the parts of a reference with noise, is a tie.
 """
 
 from __future__ import annotations
@@ -30,7 +31,7 @@ from oitbench.report.artifacts import Row, Value
 from oitbench.report.cells import effect_label, effect_labels, most_complete
 from oitbench.report.effect_costs import EffectCost, SavedTime, effect_costs
 from oitbench.results.records import Panel
-from oitbench.results.schema import PATH_TRACED
+from oitbench.results.schema import WHOLE
 from oitbench.results.table import MEBIBYTE, MEGABYTE
 
 if TYPE_CHECKING:
@@ -108,14 +109,14 @@ def _figure(context: ReportContext, marks: Sequence[tuple[Panel, Sequence[Mark]]
             _add_labels(axes, shown)
         chosen = (mark.cost.method for _, shown in marks for mark in shown if mark.chosen)
         floors = [mark.cost.noise_floor for _, shown in marks for mark in shown]
-        ties = "Shaded: ties, within the noise floor. " if any(floors) else ""
+        ties = "Shaded: gains within the noise floor. " if any(floors) else ""
         methods = ", ".join(dict.fromkeys(chosen))
         caption = (
             "Each mark is one effect. Cost: the frame time in ms that leaving the effect out saves,"
             f" with its interval. Gain: the increase of the mean {context.flip} "
-            "against path tracing when the effect is left out; above zero, the picture is better "
-            f"with the effect. {ties}Filled marks with names: the method that misses the fewest "
-            f"effects of a scene ({methods}); hollow marks: the other methods."
+            "against the ranking truth when the effect is left out; above zero, the picture is "
+            f"better with the effect. {ties}Filled marks with names: the method that misses the "
+            f"fewest effects of a scene ({methods}); hollow marks: the other methods."
             + times.explain(mark.cost.ablation.complete for _, shown in marks for mark in shown)
         )
         return figures.save(
@@ -141,7 +142,7 @@ def _draw(axes: Axes, marks: Sequence[Mark]) -> None:
         )
     floor = max(mark.cost.noise_floor or 0.0 for mark in marks)
     if floor:
-        text = f"shaded: ties, within {floor:.2g}"
+        text = f"shaded: within the noise floor of {floor:.2g}"
         figures.add_band(axes, -floor, floor, text, at_top=False)
     _set_limits(axes, marks)
 
@@ -185,9 +186,10 @@ def _rows(panel: Panel, costs: Sequence[EffectCost], flip: str) -> Iterator[Row]
             *_saved(cost),
             cost.memory / MEBIBYTE,
             cost.traffic / MEGABYTE,
-            ablation.complete.metric(PATH_TRACED, flip),
-            ablation.reduced.metric(PATH_TRACED, flip),
+            ablation.complete.metric(ablation.complete.ranking_truth, flip),
+            ablation.reduced.metric(WHOLE, flip),
             cost.gain,
+            ablation.complete.ranking_truth,
             cost.noise_floor,
             cost.verdict,
         )
@@ -202,7 +204,7 @@ def _saved(cost: EffectCost) -> list[Value]:
 
 def _table(context: ReportContext, rows: Sequence[Row]) -> Artifact:
     flip = context.flip
-    traced = f"mean {flip} against path tracing"
+    traced = f"mean {flip} against the truth that ranks the scene"
     heading = (
         columns.SCENE,
         columns.METHOD,
@@ -219,12 +221,13 @@ def _table(context: ReportContext, rows: Sequence[Row]) -> Artifact:
         Column(f"with.{flip}", "FLIP with", decimals=4, help=f"{traced}, with the effect"),
         Column(f"without.{flip}", "FLIP without", decimals=4, help=f"{traced}, without the effect"),
         Column(f"gain.{flip}", "Gain", decimals=4, help="FLIP without the effect minus FLIP with"),
-        columns.noise_floor(flip),
+        columns.RANKING_TRUTH,
+        Column(f"noise_floor.{flip}", "Noise floor", decimals=4, help="of that truth"),
         Column("verdict", "With the effect", kind="text"),
     )
     caption = (
         "Savings in frame time, memory and traffic when one effect is left out, and the gain in "
-        f"{flip} against path tracing that the effect brings. Negative savings are costs; small "
+        f"{flip} against the truth that ranks the scene. Negative savings are costs; small "
         "differences in time are noise, as their intervals show."
         + times.explain(context.results.records)
     )

@@ -1,18 +1,21 @@
 """Method time against FLIP error, one figure per scene.
 
-There are two truths: exact compositing of the same fragments, and path tracing of the same scene.
-Method time is everything that a method adds to a frame: the sort on the CPU with its upload, and
-all passes. Shadow maps, ambient occlusion and the opaque picture are the same for all methods; they
-are timed apart, and the table adds them up to the frame time. The gray line is the Pareto
-front: the methods for which no other method is both faster and at least as accurate. Error bars are
-intervals that hold the true median with at least 95 %. The shaded band above the lowest path-traced
-error is as high as the noise floor of the path-traced reference: methods in the band are tied.
+One truth ranks the methods of a scene: exact compositing of the same fragments if all effects that
+the scene requests are compositing or shared shading, else matched tracing, which has exactly the
+light transport that the effects stand for. Where that truth is missing, errors against exact
+compositing are shown as "compositing only", without a front. Method time is everything that a
+method adds to a frame: the sort on the CPU with its upload, and all passes. Shadow maps, ambient
+occlusion and the opaque picture are the same for all methods; they are timed apart, and the table
+adds them up to the frame time. The gray line is the Pareto front: the methods for which no other
+method is both faster and at least as accurate. Error bars are intervals that hold the true median
+with at least 95 %. The caption names the methods that tie with the lowest error, where the truth
+has noise.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -25,17 +28,19 @@ from oitbench.report import (
     columns,
     decimal,
     figures,
+    fixed,
     labels,
     palette,
+    plates,
     times,
     write_table,
 )
 from oitbench.report.artifacts import Row
-from oitbench.report.cells import largest_noise_floor
+from oitbench.report.ranking import ranking, truth_label
 from oitbench.results.records import Panel
-from oitbench.results.schema import PATH_TRACED, TRUTHS
 from oitbench.results.table import flat_times
 from oitbench.results.times import Interval, Time
+from oitbench.truths import EXACT, TRUTHS
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -78,13 +83,16 @@ def build(context: ReportContext) -> list[Artifact]:
     drawn: list[Artifact] = []
     rows: list[Row] = []
     for panel in context.results.panels():
-        known = {truth: _points(panel, truth, context.flip) for truth in TRUTHS}
-        points = {truth: found for truth, found in known.items() if found}
+        truth = panel.truth
+        points = _points(panel, truth, context.flip)
+        if not points and truth != EXACT:
+            truth = EXACT
+            points = _points(panel, truth, context.flip)
         if not points:
             drawn.append(Note(f"{panel.title}: no method has both a time and an error yet."))
             continue
-        drawn.append(_figure(context, panel, points))
-        rows += _rows(panel, points)
+        drawn.append(_figure(context, panel, truth, points))
+        rows += _rows(panel, truth, points)
     if rows:
         drawn.append(
             write_table(
@@ -118,35 +126,32 @@ def _points(panel: Panel, truth: str, metric: str) -> list[Point]:
     return found
 
 
-def _figure(context: ReportContext, panel: Panel, points: Mapping[str, list[Point]]) -> Figure:
-    with figures.canvas(figures.WIDTH, 0.5 + 4.3 * len(points)) as figure:
-        grid = figure.subplots(len(points), 1, squeeze=False)[:, 0]
-        for axes, (truth, shown) in zip(grid, points.items(), strict=True):
-            _draw(axes, context, shown)
-            axes.set_title(f"Truth: {TRUTHS[truth]}")
-        if PATH_TRACED in points:
-            _add_ties(grid[-1], panel, points[PATH_TRACED], context.flip)
-        grid[-1].set_xlabel(_axis_label(points))
+def _figure(context: ReportContext, panel: Panel, truth: str, points: Sequence[Point]) -> Figure:
+    best = front(points) if truth == panel.truth else []
+    with figures.canvas(figures.WIDTH, 4.8) as figure:
+        axes = figure.subplots()
+        _draw(axes, context, points, best)
+        axes.set_title(f"Truth: {truth_label(panel, truth)}")
+        axes.set_xlabel(_axis_label(points))
         # Labels need the final layout.
-        for axes, shown in zip(grid, points.values(), strict=True):
-            _add_labels(axes, context, shown)
+        _add_labels(axes, context, points, best)
         return figures.save(
             figure,
             context.out / f"pareto-{panel.slug}",
             title=panel.title,
-            caption=_caption(context, panel, points),
+            caption=_caption(context, panel, truth, points),
         )
 
 
-def _axis_label(points: Mapping[str, list[Point]]) -> str:
-    shown = [point for found in points.values() for point in found]
-    disturbed = any(point.times.block.disturbed for point in shown)
+def _axis_label(points: Sequence[Point]) -> str:
+    disturbed = any(point.times.block.disturbed for point in points)
     note = f"; {times.SHORT_EXPLANATION}" if disturbed else ""
     return f"method time, ms (logarithmic{note})"
 
 
-def _draw(axes: Axes, context: ReportContext, points: Sequence[Point]) -> None:
-    best = front(points)
+def _draw(
+    axes: Axes, context: ReportContext, points: Sequence[Point], best: Sequence[Point]
+) -> None:
     _set_scales(axes, points)
     axes.grid(True, axis="both")
     for point in points:
@@ -162,7 +167,8 @@ def _draw(axes: Axes, context: ReportContext, points: Sequence[Point]) -> None:
             edge=figures.INK if point in best else "white",
             edge_width=1.1 if point in best else 0.6,
         )
-    axes.plot(*_front_line(axes, best), color=figures.QUIET, linewidth=1, zorder=1.5)
+    if best:
+        axes.plot(*_front_line(axes, best), color=figures.QUIET, linewidth=1, zorder=1.5)
     axes.set_ylabel(f"mean {context.flip} (lower is better)")
 
 
@@ -215,17 +221,9 @@ def _front_line(axes: Axes, best: Sequence[Point]) -> tuple[list[float], list[fl
     return [*xs, axes.get_xlim()[1]], [*ys, ys[-1]]
 
 
-def _add_ties(axes: Axes, panel: Panel, points: Sequence[Point], metric: str) -> None:
-    """Shade the errors that differ from the lowest one by no more than the noise floor."""
-    floor = largest_noise_floor(panel.finished, metric)
-    if floor:
-        lowest = min(point.error for point in points)
-        text = f"shaded: tied with the lowest error, within the noise floor of {floor:.2g}"
-        figures.add_band(axes, lowest, lowest + floor, text, at_top=True)
-
-
-def _add_labels(axes: Axes, context: ReportContext, points: Sequence[Point]) -> None:
-    best = front(points)
+def _add_labels(
+    axes: Axes, context: ReportContext, points: Sequence[Point], best: Sequence[Point]
+) -> None:
     # The first labels get the best places.
     ordered = [*best, *(point for point in points if point not in best)]
     written = [
@@ -238,47 +236,57 @@ def _add_labels(axes: Axes, context: ReportContext, points: Sequence[Point]) -> 
         )
         for point in ordered
     ]
-    labels.place(axes, written, lines=[_front_line(axes, best)])
+    labels.place(axes, written, lines=[_front_line(axes, best)] if best else [])
 
 
-def _caption(context: ReportContext, panel: Panel, points: Mapping[str, list[Point]]) -> str:
+def _caption(context: ReportContext, panel: Panel, truth: str, points: Sequence[Point]) -> str:
     results = context.results
     kind = "software renderer, wall-clock times of the CPU" if results.software else "GPU times"
-    shown = {point.method for found in points.values() for point in found}
+    shown = {point.method for point in points}
     absent = [cell.method for cell in panel.cells if cell.method not in shown]
     parts = [
         f"Median method time in ms with its interval on {results.renderer} ({kind}) against "
-        f"the mean of {context.flip}. Methods at the lower left are best. Gray line and bold "
-        f"names: the Pareto front.{_shading(points)}",
+        f"the mean of {context.flip}. Methods at the lower left are best.",
     ]
-    if PATH_TRACED not in points:
-        parts.append("The scene has no errors against path tracing.")
+    if truth == panel.truth:
+        parts.append("Gray line and bold names: the Pareto front.")
+        found = ranking(panel, context.flip)
+        if found.noise_floor:
+            parts.append(f"Noise floor: {fixed(found.noise_floor, 4)}.")
+        if len(found.best) > 1:
+            parts.append(f"Tied with the lowest error: {', '.join(found.best)}.")
+    else:
+        reason = plates.why_no_truth(context, panel.finished, panel.truth)
+        parts.append(
+            f"Compositing only: {TRUTHS[panel.truth]}, which ranks this scene, is missing"
+            f" ({reason})."
+        )
+    parts.append(_shading(points))
     if absent:
         parts.append(f"Not shown, without a time or an error: {', '.join(absent)}.")
     return " ".join(parts) + times.explain(panel.cells)
 
 
-def _shading(points: Mapping[str, list[Point]]) -> str:
+def _shading(points: Sequence[Point]) -> str:
     """Return a sentence about the time of shading, which all methods share."""
-    medians = [point.times.shading_ms.median for found in points.values() for point in found]
+    medians = [point.times.shading_ms.median for point in points]
     low, high = (decimal(value) for value in (min(medians), max(medians)))
     several = low if low == high else f"{low} to {high}"
-    return f" Shading that all methods share takes {several} ms more."
+    return f"Shading that all methods share takes {several} ms more."
 
 
-def _rows(panel: Panel, points: Mapping[str, list[Point]]) -> Iterator[Row]:
-    for truth, found in points.items():
-        best = front(found)
-        for point in found:
-            values = times.marked(flat_times(point.times), point.times.block.disturbed)
-            yield (
-                panel.title,
-                point.method,
-                TRUTHS[truth],
-                *(values[column.key] for column in columns.TIMES),
-                point.error,
-                "yes" if point in best else "",
-            )
+def _rows(panel: Panel, truth: str, points: Sequence[Point]) -> Iterator[Row]:
+    best = front(points) if truth == panel.truth else []
+    for point in points:
+        values = times.marked(flat_times(point.times), point.times.block.disturbed)
+        yield (
+            panel.title,
+            point.method,
+            truth_label(panel, truth),
+            *(values[column.key] for column in columns.TIMES),
+            point.error,
+            "yes" if point in best else "",
+        )
 
 
 def _columns(flip: str) -> tuple[Column, ...]:

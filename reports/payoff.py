@@ -1,7 +1,8 @@
-"""Path-traced error of the methods that express all effects of a scene and of those that miss some.
+"""Errors of the methods that express all effects of a scene and of those that miss some.
 
-Only scenes appear that request colored transmission, refraction, diffusion or colored shadows.
-Differences within the noise floor of the path-traced reference are ties.
+Only scenes appear that request colored transmission, refraction, diffusion, fog or colored shadows.
+Errors are those against the truth that ranks the scene. Differences that are not clearly different
+from zero, by a jackknife over the parts of a reference with noise, are ties.
 """
 
 from __future__ import annotations
@@ -9,24 +10,31 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
+from oitbench.image.ties import Errors, clear_difference
 from oitbench.report import Artifact, Column, Note, ReportContext, columns, fixed, write_table
 from oitbench.report.artifacts import Row
-from oitbench.report.cells import effect_labels, largest_noise_floor
+from oitbench.report.cells import effect_labels
+from oitbench.report.ranking import ranking
 from oitbench.results.records import Panel
-from oitbench.results.schema import PATH_TRACED, Record
+from oitbench.results.schema import Record
 
 title = "Benefit of expressing more effects"
 order = 25
 
-_PHENOMENA = ("COLORED_TRANSMISSION", "REFRACTION", "DIFFUSION", "COLORED_SHADOWS")
+_PHENOMENA = ("COLORED_TRANSMISSION", "REFRACTION", "DIFFUSION", "VOLUME", "COLORED_SHADOWS")
 
 
 @dataclass(frozen=True)
 class Scored:
-    """A cell with its path-traced error."""
+    """A cell with its error against the ranking truth."""
 
     cell: Record
-    error: float
+    errors: Errors
+
+    @property
+    def error(self) -> float:
+        """The error itself."""
+        return self.errors.error
 
     @property
     def misses(self) -> str:
@@ -49,14 +57,11 @@ class Payoff:
     scene : str
     more, less : Scored
         The method that expresses more effects, and the other one.
-    noise_floor : float
-        Of the path-traced reference.
     """
 
     scene: str
     more: Scored
     less: Scored
-    noise_floor: float
 
     @property
     def gain(self) -> float:
@@ -65,8 +70,8 @@ class Payoff:
 
     @property
     def tied(self) -> bool:
-        """Whether the errors differ by no more than the noise floor."""
-        return abs(self.gain) <= self.noise_floor
+        """Whether the errors do not clearly differ."""
+        return clear_difference(self.less.errors, self.more.errors) == 0
 
     @property
     def sentence(self) -> str:
@@ -74,7 +79,7 @@ class Payoff:
         verdict = "lower" if self.gain > 0 else "no lower"
         result = f"{verdict} error with more effects"
         if self.tied:
-            result = f"a tie within the noise floor of {fixed(self.noise_floor, 4)}"
+            result = "a tie"
         return f"{self.scene}: {result}: {self.more.text}, {self.less.text}."
 
 
@@ -86,14 +91,13 @@ def build(context: ReportContext) -> list[Artifact]:
         scored = _scored(panel, context.flip)
         requested = {name for item in scored for name in item.cell.requested_effects}
         if not requested.isdisjoint(_PHENOMENA):
-            floor = largest_noise_floor(panel.finished, context.flip)
-            rows += _rows(panel, scored, floor)
-            payoff = payoff_of(panel.title, scored, floor or 0.0)
+            rows += _rows(context, panel, scored)
+            payoff = payoff_of(panel.title, scored)
             found += [] if payoff is None else [payoff]
     if not rows:
         return [
             Note(
-                "No cell with a path-traced error requests any of these effects: "
+                "No cell with an error against its ranking truth requests any of these effects: "
                 f"{effect_labels(_PHENOMENA)}."
             )
         ]
@@ -101,7 +105,7 @@ def build(context: ReportContext) -> list[Artifact]:
     return [_table(context, rows), *map(Note, notes)]
 
 
-def payoff_of(scene: str, scored: Sequence[Scored], noise_floor: float) -> Payoff | None:
+def payoff_of(scene: str, scored: Sequence[Scored]) -> Payoff | None:
     """Compare the cells that miss the fewest effects with all others.
 
     Parameters
@@ -109,7 +113,6 @@ def payoff_of(scene: str, scored: Sequence[Scored], noise_floor: float) -> Payof
     scene : str
     scored : sequence of Scored
         At least one, lowest error first.
-    noise_floor : float
 
     Returns
     -------
@@ -121,7 +124,7 @@ def payoff_of(scene: str, scored: Sequence[Scored], noise_floor: float) -> Payof
     more = next(item for item, count in zip(scored, counts, strict=True) if count == fewest)
     for item, count in zip(scored, counts, strict=True):
         if count > fewest:
-            return Payoff(scene, more, item, noise_floor)
+            return Payoff(scene, more, item)
     return None
 
 
@@ -140,17 +143,19 @@ def _summary(payoffs: Sequence[Payoff], flip: str) -> str:
 
 
 def _scored(panel: Panel, flip: str) -> list[Scored]:
-    """Return the cells that have a path-traced error, lowest error first."""
-    errors = [(cell, cell.metric(PATH_TRACED, flip)) for cell in panel.finished]
-    known = [Scored(cell, error) for cell, error in errors if error is not None]
+    """Return the cells that have an error against the ranking truth, lowest error first."""
+    found = [(cell, cell.errors(panel.truth, flip)) for cell in panel.finished]
+    known = [Scored(cell, errors) for cell, errors in found if errors is not None]
     return sorted(known, key=lambda item: item.error)
 
 
-def _rows(panel: Panel, scored: Sequence[Scored], floor: float | None) -> Iterator[Row]:
+def _rows(context: ReportContext, panel: Panel, scored: Sequence[Scored]) -> Iterator[Row]:
+    found = ranking(panel, context.flip)
     for item in scored:
-        tied = item.error - scored[0].error <= (floor or 0.0)
+        tied = item.cell.method in found.best
         mark = "best" if item is scored[0] else "tied with the best" if tied else ""
-        yield panel.title, item.cell.method, item.misses, item.error, floor, mark
+        method = item.cell.method
+        yield panel.title, method, item.misses, item.error, panel.truth, found.noise_floor, mark
 
 
 def _table(context: ReportContext, rows: Sequence[Row]) -> Artifact:
@@ -159,18 +164,20 @@ def _table(context: ReportContext, rows: Sequence[Row]) -> Artifact:
         columns.SCENE,
         columns.METHOD,
         Column("effects", "Effects", kind="text", help="of the effects that the scene requests"),
-        columns.path_traced_error(flip),
-        columns.noise_floor(flip),
+        Column(flip, "FLIP", decimals=4, help=f"mean {flip} against the ranking truth"),
+        columns.RANKING_TRUTH,
+        Column(f"noise_floor.{flip}", "Noise floor", decimals=4, help="of that truth"),
         Column("mark", "Best", kind="text"),
     )
     caption = (
-        f"Methods of each scene by mean {flip} against path tracing, lowest first. Below, for each "
-        "scene: the best of the methods that miss the fewest effects, and the best of the others."
+        f"Methods of each scene by mean {flip} against the truth that ranks them, lowest first. "
+        "Below, for each scene: the best of the methods that miss the fewest effects, and the best "
+        "of the others."
     )
     return write_table(
         context.out / "payoff.csv",
         heading,
         rows,
-        title="Path-traced error by effects",
+        title="Error by effects",
         caption=caption,
     )

@@ -1,7 +1,8 @@
-"""The picture of every method beside the path-traced one, for the phenomena of transparency.
+"""The picture of every method beside the traced ones, for the phenomena of transparency.
 
-Only scenes appear that request more effects than coverage. The maps show FLIP against path tracing,
-from 0 (black) to 1 (pale yellow).
+Only scenes appear that request more effects than coverage. The maps show FLIP against matched
+tracing, from 0 (black) to 1 (pale yellow): it has exactly the light transport that the effects
+stand for. Full path tracing has all of it, and is context.
 """
 
 from __future__ import annotations
@@ -11,7 +12,8 @@ from collections.abc import Sequence
 from oitbench.report import Artifact, Figure, Note, ReportContext, figures, plates
 from oitbench.report.cells import effect_label, effect_labels, most_complete
 from oitbench.results.records import Panel
-from oitbench.results.schema import PATH_TRACED, TRUTHS, Record
+from oitbench.results.schema import WHOLE, Record
+from oitbench.truths import MATCHED, TRACED, TRUTHS
 
 title = "Phenomena"
 order = 32
@@ -51,15 +53,15 @@ def _plates(context: ReportContext, panel: Panel) -> list[Artifact]:
 def _methods(context: ReportContext, panel: Panel) -> Artifact:
     """Return the plate of all methods, with all effects that the scene requests."""
     folder = context.out / "phenomena" / panel.slug
-    shown = [plates.show_truth(context, panel, PATH_TRACED, folder)]
+    shown = [plates.show_truth(context, panel, truth, folder) for truth in TRACED]
     for cell in panel.finished:
         requested, missing = len(cell.requested_effects), len(cell.missing_effects)
         text = f"misses {missing} of {requested} effects" if missing else "all effects"
-        values = (*plates.error_text(context, cell, PATH_TRACED), text)
-        shown.append(plates.show_cell(context, cell, PATH_TRACED, folder, values=values))
+        values = (*plates.error_text(context, cell, MATCHED), text)
+        shown.append(plates.show_cell(context, cell, MATCHED, folder, values=values))
     caption = (
         f"Effects that the scene requests: {effect_labels(panel.finished[0].requested_effects)}. "
-        f"{_reading(context)}"
+        f"{_reading(context, MATCHED)}"
     )
     path = context.out / f"phenomena-{panel.slug}"
     return plates.grid(context, panel, shown, path, title=panel.title, caption=caption)
@@ -68,22 +70,20 @@ def _methods(context: ReportContext, panel: Panel) -> Artifact:
 def _ablations(context: ReportContext, panel: Panel, complete: Record) -> Artifact:
     """Return the plate of one method with effects left out."""
     folder = context.out / "phenomena" / f"{panel.slug}-ablation"
-    shown = [plates.show_truth(context, panel, PATH_TRACED, folder)]
-    cells = {"all effects": complete}
+    shown = [plates.show_truth(context, panel, panel.truth, folder)]
+    cells = {"all effects": (complete, panel.truth)}
     dependent: list[str] = []
     for ablation in panel.ablations:
         if ablation.complete is complete:
             named = effect_labels(ablation.named)
-            cells[f"without {named}"] = ablation.reduced
+            cells[f"without {named}"] = (ablation.reduced, WHOLE)
             if ablation.implied:
                 implied = _joined(ablation.implied)
                 dependent.append(f"Leaving out {named} also leaves out {implied}.")
-    for label, cell in cells.items():
-        values = plates.error_text(context, cell, PATH_TRACED)
-        shown.append(
-            plates.show_cell(context, cell, PATH_TRACED, folder, values=values, label=label)
-        )
-    caption = f"{complete.method} with effects left out. {_reading(context)}"
+    for label, (cell, truth) in cells.items():
+        values = plates.error_text(context, cell, truth, panel.truth)
+        shown.append(plates.show_cell(context, cell, truth, folder, values=values, label=label))
+    caption = f"{complete.method} with effects left out. {_reading(context, panel.truth)}"
     return plates.grid(
         context,
         panel,
@@ -94,10 +94,10 @@ def _ablations(context: ReportContext, panel: Panel, complete: Record) -> Artifa
     )
 
 
-def _reading(context: ReportContext) -> str:
+def _reading(context: ReportContext, truth: str) -> str:
     """Return the part of a caption that explains maps and numbers."""
     return (
-        f"Lower picture: map of {context.flip} against path tracing, from 0 (black) to 1 (pale "
+        f"Lower picture: map of {context.flip} against {TRUTHS[truth]}, from 0 (black) to 1 (pale "
         f"yellow). Number: mean {context.flip}."
     )
 
@@ -107,14 +107,14 @@ def _joined(names: Sequence[str]) -> str:
 
 
 def _pair(context: ReportContext, panel: Panel, cell: Record) -> list[Figure]:
-    """Return the large path-traced picture above that of a method that expresses diffusion."""
-    truth = plates.first_image(context, panel, PATH_TRACED)
+    """Return the large matched picture above that of a method that expresses diffusion."""
+    truth = plates.first_image(context, panel, MATCHED)
     image = context.results.image(cell, "color")
     if truth is None or image is None:
         return []
     stops = plates.exposure([cell])
-    error = plates.error_text(context, cell, PATH_TRACED)
-    rows = ((TRUTHS[PATH_TRACED], truth), (", ".join([cell.method, *error]), image))
+    error = plates.error_text(context, cell, MATCHED)
+    rows = ((TRUTHS[MATCHED], truth), (", ".join([cell.method, *error]), image))
     width, height = plates.fitted(panel.size, _WIDTH)
     whole = 2 * plates.MARGIN + _WIDTH, 3 * plates.MARGIN + 2 * (_LABEL + height)
     with figures.canvas(*whole, by_hand=True) as canvas:
@@ -134,8 +134,8 @@ def _pair(context: ReportContext, panel: Panel, cell: Record) -> list[Figure]:
             canvas,
             context.out / f"phenomena-{panel.slug}-diffusion",
             title=f"{panel.title}: diffusion",
-            caption=f"Upper picture: path traced. Lower picture: {cell.method}, which misses the "
-            f"fewest effects of all methods that express diffusion. Number: mean {context.flip} "
-            "against path tracing.",
+            caption=f"Upper picture: matched tracing. Lower picture: {cell.method}, which misses "
+            "the fewest effects of all methods that express diffusion. Number: mean "
+            f"{context.flip} against it.",
         )
     return [figure]

@@ -1,20 +1,25 @@
-"""All cells with cost, errors against both truths, and missing effects.
+"""All cells with cost, errors against all truths, and missing effects.
 
-Ranks compare the cells of one scene by path-traced FLIP. Cells that differ from the best cell of a
-rank by no more than the noise floor share that rank.
+Ranks compare the cells of one scene by FLIP against the truth that ranks it: exact compositing if
+all effects that the scene requests are compositing or shared shading, else matched tracing. Cells
+that do not clearly differ from the best cell of a rank share that rank. Full path tracing is
+context, and ranks nothing. Errors against exact compositing in a scene that it does not rank are
+marked "compositing only".
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 from oitbench.image import metrics
 from oitbench.report import Artifact, Column, ReportContext, columns, times, write_table
 from oitbench.report.artifacts import Row
-from oitbench.report.cells import effect_labels, largest_noise_floor
+from oitbench.report.cells import effect_labels
+from oitbench.report.ranking import EXPLANATION, ranking
 from oitbench.results.records import Panel
-from oitbench.results.schema import EXACT, PATH_TRACED, Record
+from oitbench.results.schema import Record
 from oitbench.results.table import flat
+from oitbench.truths import COMPOSITING_ONLY, EXACT, FULL, MATCHED
 
 title = "All results"
 order = 20
@@ -25,7 +30,7 @@ def build(context: ReportContext) -> list[Artifact]:
     heading = _columns(context.flip)
     rows: list[Row] = []
     for panel in context.results.panels():
-        ranks = _ranks(panel, context.flip)
+        ranks = ranking(panel, context.flip).ranks
         rows += [_row(heading, panel, cell, rank=ranks.get(cell.method)) for cell in panel.cells]
         for ablation in panel.ablations:
             left_out = effect_labels(ablation.named)
@@ -35,43 +40,14 @@ def build(context: ReportContext) -> list[Artifact]:
     caption = (
         "Click on a heading to sort. The status is unstable if pixels are NaN, infinite or "
         "negative; there are no metrics if a pixel is not finite. Equal ranks, marked with =, are "
-        "ties: the errors differ by no more than the noise floor of the path-traced reference. "
-        "Cells with effects left out have no rank. Method time is everything that a method adds to "
-        "a frame, its sort included. Shading is the same for all methods of a scene, and frame "
-        "time is the median sum of both." + times.explain(context.results.records)
+        f"ties. {EXPLANATION} Cells with effects left out have no rank; their traced truths leave "
+        "out the same effects. Full path tracing is context. Method time is everything that a "
+        "method adds to a frame, its sort included. Shading is the same for all methods of a "
+        "scene, and frame time is the median sum of both." + times.explain(context.results.records)
     )
     return [
         write_table(context.out / "table.csv", heading, rows, title="All cells", caption=caption)
     ]
-
-
-def ties(errors: Mapping[str, float], floor: float) -> dict[str, str]:
-    """Rank names by error, lowest first.
-
-    Names whose errors exceed the lowest error of a rank by no more than `floor` share that rank,
-    which is then marked as in "2=".
-    """
-    groups: list[list[str]] = []
-    best = 0.0
-    for name, error in sorted(errors.items(), key=lambda item: item[1]):
-        if groups and error - best <= floor:
-            groups[-1].append(name)
-        else:
-            groups.append([name])
-            best = error
-    ranks: dict[str, str] = {}
-    place = 1
-    for group in groups:
-        mark = "=" if len(group) > 1 else ""
-        ranks |= dict.fromkeys(group, f"{place}{mark}")
-        place += len(group)
-    return ranks
-
-
-def _ranks(panel: Panel, metric: str) -> dict[str, str]:
-    values = {cell.method: cell.metric(PATH_TRACED, metric) for cell in panel.finished}
-    errors = {method: value for method, value in values.items() if value is not None}
-    return ties(errors, largest_noise_floor(panel.finished, metric) or 0.0)
 
 
 def _row(
@@ -85,7 +61,8 @@ def _row(
     values = times.marked(flat(cell), times.is_disturbed(cell)) | {
         "scene": panel.title,
         "left_out": left_out,
-        "path_traced.rank": rank,
+        "rank": rank,
+        "exact.remark": "" if cell.ranking_truth == EXACT else COMPOSITING_ONLY,
         "missing_effects": effect_labels(cell.missing_effects),
     }
     if not cell.finished:
@@ -100,14 +77,19 @@ def _columns(flip: str) -> tuple[Column, ...]:
         Column("left_out", "Left out", kind="text", help="requested effects that are left out"),
         Column("status", "Status", kind="status"),
         _error(flip, "FLIP exact", 4, "mean against exact compositing"),
-        columns.path_traced_error(flip),
-        columns.noise_floor(flip),
-        Column(
-            "path_traced.rank",
-            "Rank",
-            kind="rank",
-            help="in the scene by path-traced FLIP; = marks ties within the noise floor",
-        ),
+        Column("exact.remark", "Exact is", kind="text", help="it may ignore requested effects"),
+        columns.error(MATCHED, flip),
+        columns.noise_floor(MATCHED, flip),
+        columns.split_error(MATCHED, "transparent", flip),
+        columns.split_error(MATCHED, "opaque", flip),
+        columns.RANKING_TRUTH,
+        Column("rank", "Rank", kind="rank", help="by the ranking truth; = marks ties"),
+        columns.error(FULL, flip),
+        columns.noise_floor(FULL, flip),
+        columns.split_error(FULL, "transparent", flip),
+        columns.split_error(FULL, "opaque", flip),
+        Column(f"{MATCHED}.reference.ssaa", "Matched ssaa", help="sub-pixel grid of the reference"),
+        Column("ssaa", "ssaa", help="sub-pixel grid of the method's picture"),
         _error(metrics.SSIM, "SSIM", 4, "SSIM against exact compositing; 1 if equal"),
         _error(metrics.RMSE, "RMSE", 5, "linear RMSE against exact compositing"),
         _error(metrics.TRANSMITTANCE, "T error", 5, "RMSE of the total transmittance"),

@@ -11,8 +11,6 @@ import msgspec
 from oitbench.image import metrics
 from oitbench.image.stored import StoredImage
 from oitbench.results.schema import (
-    EXACT,
-    PATH_TRACED,
     EffectNames,
     Fingerprints,
     Memory,
@@ -28,6 +26,7 @@ from oitbench.results.schema import (
 )
 from oitbench.results.store import Store
 from oitbench.results.times import Block, Interval, PassTime, Processor, Time
+from oitbench.truths import EXACT, FULL, MATCHED, TRUTHS
 
 VALUES: dict[str, float | None] = {
     metrics.FLIP_LDR: 0.1,
@@ -42,7 +41,7 @@ VALUES: dict[str, float | None] = {
 
 NO_IMAGE = StoredImage("images/a.exr", "0" * 64, 1)
 """An image that does not exist."""
-FINGERPRINTS = Fingerprints("s", "m", "e", "f", {EXACT: "x", PATH_TRACED: "p"})
+FINGERPRINTS = Fingerprints("s", "m", "e", "f", {EXACT: "x", MATCHED: "p", FULL: "q"})
 
 
 def outcome_of(scores: dict[str, Scores], images: dict[str, StoredImage]) -> Outcome:
@@ -51,6 +50,7 @@ def outcome_of(scores: dict[str, Scores], images: dict[str, StoredImage]) -> Out
         parameters={},
         effects=EffectNames(["COVERAGE"], [], ["COVERAGE"]),
         fragments=10_000,
+        transparent_pixels=32,
         max_depth_complexity=4,
         passes=[PassRuns("peel", 8), PassRuns("resolve", 1)],
         memory=Memory(960, 160.0, []),
@@ -65,11 +65,11 @@ def outcome_of(scores: dict[str, Scores], images: dict[str, StoredImage]) -> Out
 
 def record(method: str = "mean", scene: str = "glass[count=4]", **fields: Any) -> Record:
     """Return the record of a cell that succeeded, with other values for `fields`."""
-    scores = {EXACT: Scores(dict(VALUES)), PATH_TRACED: Scores(dict(VALUES))}
+    scores = {truth: Scores(dict(VALUES)) for truth in TRUTHS}
     name = method.partition("[")[0]
     outcome = outcome_of(scores, {"color": NO_IMAGE})
     made = Record(
-        scene, method, name, (8, 6), 2, "requested", 1, 4, [EXACT, PATH_TRACED], "ok",
+        scene, method, name, (8, 6), 2, "requested", 1, 4, list(TRUTHS), "ok",
         gl=Renderer("softly"), fingerprints=FINGERPRINTS, outcome=outcome, time=timed(2.0),
     )  # fmt: skip
     return msgspec.structs.replace(made, **fields)

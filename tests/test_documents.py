@@ -20,6 +20,7 @@ from oitbench.places import own_folder
 from oitbench.report import markdown
 from oitbench.results.records import Results
 from oitbench.stability import overview
+from oitbench.truths import TRUTHS
 from tests.report.made_up import FACTS, finished
 
 ROOT = own_folder()
@@ -175,8 +176,13 @@ def split(rows: list[list[str]]) -> list[list[list[str]]]:
 
 
 def shape(cell: str) -> str:
-    """Return a cell without its digits; errors keep their number of decimals, times do not."""
-    cell = re.sub(r"[\d.]+ ms", "TIME", cell)
+    """Return a cell without its digits; errors keep their number of decimals, times do not.
+
+    Which truth ranks a scene, which methods are best, and whether a truth has noise are results.
+    """
+    if cell in TRUTHS:
+        return "TRUTH"
+    cell = re.sub(r"[\d.]+ ms", "TIME", cell.replace("**", "").replace("–", "0.0000"))
     return re.sub(r"\d", "0", cell)
 
 

@@ -1,4 +1,4 @@
-"""`oitbench reference`: render the path-traced references, or check them."""
+"""`oitbench reference`: render the references of scenes, matched or full, or check them."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from rich.console import Console
 
 from oitbench.catalog.catalog import Catalog
 from oitbench.cli import options
+from oitbench.effects import Effect, names
 from oitbench.errors import (
     CapabilityError,
     DeclarationError,
@@ -19,6 +20,7 @@ from oitbench.errors import (
     StorageError,
     UsageError,
 )
+from oitbench.matrix.cell import choose_effects
 from oitbench.matrix.plan import CELL_SECONDS
 from oitbench.path_traced.references import storage
 from oitbench.path_traced.references.check import CHECK_SPP
@@ -32,6 +34,7 @@ from oitbench.path_traced.references.worker import (
     Settings,
 )
 from oitbench.places import Names
+from oitbench.truths import MATCHED, TRACED
 from oitbench.workers import memory
 from oitbench.workers.process import Process
 
@@ -39,19 +42,34 @@ _SIZE = (256, 256)
 _SSAA = 2
 
 
-@click.command("reference", short_help="Render or check the path-traced references.")
+@click.command("reference", short_help="Render or check the references of scenes.")
 @click.argument("scenes", nargs=-1, metavar="[SCENE]...")
 @click.option(
+    "--truth",
+    "truths",
+    type=click.Choice(TRACED),
+    multiple=True,
+    help="matched: the light transport that the effects stand for; full: all of it. Repeatable."
+    "  [default: as stored, else both]",
+)
+@click.option(
+    "--effects",
+    metavar="-NAME,...",
+    help="Effects that are left out of a matched reference, as in -refraction."
+    "  [default: as stored, else none]",
+)
+@click.option(
     "--spp",
-    type=click.IntRange(2),
-    help="Samples for each sub-pixel. Scenes that need no random numbers always get one."
+    type=click.IntRange(1),
+    help="Samples for each sub-pixel, of each part. Pictures without random numbers always get one."
     "  [default: by the scene; 4 with --check]",
 )
 @options.size(None, "Size of the image in pixels.  [default: as stored, else 256x256]")
 @click.option(
     "--ssaa",
     type=click.IntRange(1, 16),
-    help="Side of the sub-pixel grid.  [default: as stored, else 2]",
+    help="Side of the sub-pixel grid; matched refraction takes at least 8."
+    "  [default: as stored, else 2]",
 )
 @click.option(
     "--seed",
@@ -64,7 +82,7 @@ _SSAA = 2
     "--check",
     "checks",
     is_flag=True,
-    help="Render again with few samples, and test the stored references against it.",
+    help="Render again, full references with few samples, and test the stored ones against it.",
 )
 @click.option(
     "--adopt",
@@ -75,7 +93,8 @@ _SSAA = 2
 )
 @options.timeout(
     CELL_SECONDS,
-    "Seconds that each step may take: building a scene, or path tracing one sample of all pixels.",
+    "Seconds that each step may take: building a scene, or tracing one part, or one sample of all"
+    " pixels.",
 )
 @options.memory
 @options.collections
@@ -89,6 +108,8 @@ _SSAA = 2
 )
 def command(
     scenes: tuple[str, ...],
+    truths: tuple[str, ...],
+    effects: str | None,
     spp: int | None,
     size: tuple[int, int] | None,
     ssaa: int | None,
@@ -100,21 +121,27 @@ def command(
     collections: tuple[Path, ...],
     output: Path | None,
 ) -> None:
-    """Render the path-traced reference of each SCENE. Default: all scenes that have one.
+    """Render the references of each SCENE. Default: all that are stored.
 
-    A reference is written to the folder `reference` of the collection that has the scene's file.
-    With --check, no stored image is changed. Each reference is compared, pixel by pixel, with a new
-    rendering of few samples and another seed. The exit code is 1 if a reference fails or is stale.
+    A reference is written to the folder `reference` of the collection that has the scene's file. A
+    matched one that needs random numbers is stored as eight independent parts.
+
+    With --check, no stored image is changed. Each full reference is compared, pixel by pixel, with
+    a new rendering of few samples and another seed, and the first part of each matched one with the
+    same part, rendered again. The exit code is 1 if a reference fails or is stale.
 
     A scene that crashes, takes too long or needs too much memory costs its own references only; the
     exit code is then 1, or 2 if nothing could be rendered or checked.
     """
     if adopts and not checks:
         raise UsageError("--adopt needs --check; give both")
+    if effects is not None and truths != (MATCHED,):
+        raise UsageError("--effects needs --truth matched; full path tracing leaves nothing out")
+    chosen = None if effects is None else choose_effects(effects, ~Effect.NONE)
     limit = memory.limit(memory_gib, 1)
     console = Console(highlight=False, soft_wrap=True)
     with Catalog(collections) as catalog:
-        jobs = list(_jobs(catalog, scenes, size, ssaa))
+        jobs = list(_jobs(catalog, scenes, truths, chosen, size, ssaa))
     places = catalog.places
     settings = Settings([os.fsencode(folder) for folder in places.folders])
     well, failed = True, 0
@@ -130,8 +157,8 @@ def command(
             folder = output or _reference_folder(places.scenes, job.scene)
             render = RenderReference(job, spp, seed, os.fsencode(folder))
             done = worker.ask(render, ReferenceRendered, timeout)
-            place = folder / done.key
-            console.print(f"rendered {place}  {_noise_floor(done)}", markup=False)
+            place = folder / done.rendering.key
+            console.print(f"rendered {place}  {_facts(done)}", markup=False)
             return True
 
         for job, error in jobs:
@@ -162,22 +189,39 @@ def _stored(folders: Iterable[Path]) -> list[storage.Rendering]:
 def _jobs(
     catalog: Catalog,
     scenes: tuple[str, ...],
+    truths: tuple[str, ...],
+    chosen: Effect | None,
     size: tuple[int, int] | None,
     ssaa: int | None,
 ) -> Iterator[tuple[Job, str]]:
-    """Yield a job for each scene and size; without a size, for each size that is stored.
+    """Yield a job for each scene, truth, size and set of effects; those that are stored by default.
 
     The text with each job tells why the scene cannot be loaded, or is empty.
     """
-    known = _stored(catalog.places.folders)
-    chosen = catalog.expand_scenes(scenes or [info.scene for info in known])
-    if not chosen:
+    known = [info for info in _stored(catalog.places.folders) if info.truth in (truths or TRACED)]
+    found = catalog.expand_scenes(scenes or dict.fromkeys(info.scene for info in known))
+    if not found:
         raise UsageError("no reference is stored yet; name a scene to render")
-    for choice in chosen:
+    for choice in found:
         stored = [info for info in known if info.scene == choice.label]
-        for pixels in [size] if size else [info.size for info in stored] or [_SIZE]:
-            same = [info.ssaa for info in stored if info.size == pixels]
-            yield Job(choice.label, pixels, ssaa or (same[0] if same else _SSAA)), choice.error
+        places: dict[tuple[tuple[int, int], str, tuple[str, ...]], None] = {
+            (size or info.size, info.truth, tuple(info.left_out)): None for info in stored
+        }
+        missing = truths or (() if stored else TRACED)
+        for truth in missing:
+            if all(place[1] != truth for place in places):
+                places[size or _SIZE, truth, ()] = None
+        if chosen is not None:
+            gone = tuple(names(~chosen))
+            places = dict.fromkeys((pixels, truth, gone) for pixels, truth, _ in places)
+        for pixels, truth, left_out in places:
+            same = [
+                info.ssaa
+                for info in stored
+                if (info.size, info.truth, tuple(info.left_out)) == (pixels, truth, left_out)
+            ]
+            grid = ssaa or (same[0] if same else _SSAA)
+            yield Job(choice.label, pixels, grid, truth, left_out), choice.error
 
 
 def _print_check(console: Console, checked: ReferenceChecked) -> bool:
@@ -200,8 +244,14 @@ def _reference_folder(scenes: Names, label: str) -> Path:
     return scenes[label.partition("[")[0]].parent.parent / storage.FOLDER
 
 
-def _noise_floor(rendered: ReferenceRendered) -> str:
+def _facts(rendered: ReferenceRendered) -> str:
+    """Return the samples, the seconds and the noise floor of a reference."""
+    how = rendered.rendering
+    parts = f"{how.parts} × " if how.parts > 1 else ""
     floors = (
         f"{name} {value:.5f}" for name, value in rendered.noise_floor.items() if value is not None
     )
-    return "noise floor " + ", ".join(floors)
+    return (
+        f"ssaa {how.ssaa}, {parts}{how.spp} spp, {rendered.seconds:.1f} s, noise floor "
+        + ", ".join(floors)
+    )

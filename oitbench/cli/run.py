@@ -11,6 +11,7 @@ import click
 
 from oitbench.cli import options
 from oitbench.matrix.plan import CELL_SECONDS
+from oitbench.truths import TRUTHS
 
 if TYPE_CHECKING:
     from oitbench.matrix.run import Summary
@@ -42,6 +43,14 @@ _WIDE = 200
 @options.ssaa
 @options.effects_axis
 @click.option(
+    "--truth",
+    "truths",
+    type=click.Choice(list(TRUTHS)),
+    multiple=True,
+    help="exact: exact compositing; matched: the light transport that the effects stand for; full:"
+    " all of it. Repeatable; exact is always scored. Default: all three; guard: exact.",
+)
+@click.option(
     "--out",
     type=click.Path(path_type=Path),
     default=Path("results"),
@@ -51,7 +60,7 @@ _WIDE = 200
 @click.option("--force", is_flag=True, help="Run finished cells again.")
 @options.timeout(
     CELL_SECONDS,
-    "Seconds that each step of a cell may take: building its scene, path tracing it, drawing.",
+    "Seconds that each step of a cell may take: building its scene, tracing it, drawing.",
 )
 @options.memory
 @click.option(
@@ -76,6 +85,7 @@ def command(
     size: tuple[int, int] | None,
     ssaa: int,
     effects: tuple[str, ...],
+    truths: tuple[str, ...],
     out: Path,
     force: bool,
     timeout: float | None,
@@ -84,7 +94,7 @@ def command(
     seed: int,
     collections: tuple[Path, ...],
 ) -> None:
-    """Render scenes with methods, score them against both truths, and account for their cost.
+    """Render scenes with methods, score them against the truths, and account for their cost.
 
     Finished cells of an earlier run in the same folder are kept if nothing that determines them has
     changed; failed ones are tried again.
@@ -101,7 +111,7 @@ def command(
 
     matrix = plan_matrix(
         scenes, methods, preset, size, effects, ssaa, out, collections, seed, force,
-        timeout, workers, memory_gib,
+        timeout, workers, memory_gib, truths,
     )  # fmt: skip
     console = Console(stderr=True, highlight=False, soft_wrap=True)
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn())

@@ -14,12 +14,13 @@ from oitbench.method.declaration import Method
 
 _PACKAGE = Path(__file__).resolve().parents[1]
 _ENGINE = (
-    "effects.py", "gl", "image/files.py", "matrix/bench.py", "matrix/cell.py", "matrix/stage.py",
-    "matrix/timed_cells.py", "measure", "method", "parameters.py", "scene",
+    "effects.py", "gl", "image/files.py", "matrix/bench.py", "matrix/cell.py",
+    "matrix/scoring.py", "matrix/stage.py", "matrix/timed_cells.py", "measure", "method",
+    "parameters.py", "scene", "truths.py",
 )  # fmt: skip
 """Sources that can change a pixel, a count or a time. What scenes are built with is not among them,
 because a scene's fingerprint covers the result."""
-_METRICS = ("image/metrics.py",)
+_METRICS = ("image/metrics.py", "image/ties.py")
 _METRIC_PACKAGES = ("flip-evaluator", "scikit-image")
 _SOURCES = (".py", ".glsl")
 _PROSE = (".md", ".rst")

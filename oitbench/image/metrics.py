@@ -109,6 +109,12 @@ def flip_ldr(reference: npt.ArrayLike, test: npt.ArrayLike, exposure: float) -> 
     return None if pair is None else _mean(_ldr_map(_displayed(pair, exposure)))
 
 
+def flip_hdr(reference: npt.ArrayLike, test: npt.ArrayLike, exposure: float) -> float | None:
+    """Return the metric `FLIP_HDR` of `compare` alone."""
+    pair = _pair(reference, test)
+    return None if pair is None else _mean(_hdr_map(pair, exposure))
+
+
 def rmse(reference: npt.ArrayLike, test: npt.ArrayLike) -> float | None:
     """Return the metric `RMSE` of `compare` alone."""
     pair = _pair(reference, test)

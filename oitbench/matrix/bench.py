@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import ExitStack, contextmanager
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
+
+import msgspec
 
 from oitbench.effects import Effect, names
 from oitbench.errors import CapabilityError, DeclarationError, OitbenchError, StorageError
@@ -14,20 +16,20 @@ from oitbench.gl.device import Device
 from oitbench.gl.frame import Frame, Image, check_size
 from oitbench.gl.plan import FramePlan
 from oitbench.gl.uploaded_scene import UploadedScene
-from oitbench.image import files, metrics, stored
+from oitbench.image import metrics, stored
 from oitbench.image.files import Channels
 from oitbench.image.stored import StoredImage
 from oitbench.matrix.cell import Cell, choose_effects
 from oitbench.matrix.identity import Identities
-from oitbench.matrix.stage import Stage, with_transmittance
+from oitbench.matrix.scoring import Scorer, disagreement
+from oitbench.matrix.stage import Exact, Stage, Truth, with_transmittance
 from oitbench.matrix.timed_cells import ScoredCell, Timing, time_cells
 from oitbench.measure import accounting
 from oitbench.measure.rounds import Schedule
 from oitbench.method.declaration import Method
 from oitbench.plugins import Collection
 from oitbench.results.schema import (
-    EXACT,
-    PATH_TRACED,
+    WHOLE,
     EffectNames,
     Fingerprints,
     Memory,
@@ -40,17 +42,17 @@ from oitbench.results.schema import (
     SharedShading,
     Status,
     Traffic,
-    flip_image,
 )
 from oitbench.results.store import IMAGES
 from oitbench.scene import Scene
+from oitbench.truths import EXACT, MATCHED, TRACED, ranking_truth
 from oitbench.workers.messages import Step
 
 _LEFT_OUT = "left out of this run"
 _BUILDING = Step("building the scene", shared=True)
 _DRAWING_TRUTH = Step("drawing the exact truth", shared=True)
 _DRAWING = Step("drawing and scoring the picture")
-_PATH_TRACING = Step("path tracing the scene", shared=True)
+_TRACING = Step("tracing the scene", shared=True)
 _TIMING = Step("timing the scene")
 _CHANGED = Timing(reason="its files changed during the run; run again")
 
@@ -143,11 +145,11 @@ class Bench:
         fingerprints: Fingerprints | None = None
         outcome: Outcome | None = None
         status: Status = "ok"
-        reason = ""
+        reason = contradiction = ""
         try:
             (method,) = self.collection.expand_methods([cell.method])
             fingerprints = self.identities.of(cell, method)
-            outcome = self._run(cell, method)
+            outcome, contradiction = self._run(cell, method)
             self.identities.check_unchanged(method)
         except StorageError:
             raise
@@ -166,40 +168,43 @@ class Bench:
             fingerprints=fingerprints,
             outcome=outcome,
         )
+        if contradiction and outcome is not None:
+            record = record.suspect(contradiction)
         drawn = outcome is None or outcome.max_depth_complexity > 0
         return record if drawn else _without_fragments(record, self.identities.scene(cell.scene))
 
-    def _run(self, cell: Cell, method: Method) -> Outcome:
+    def _run(self, cell: Cell, method: Method) -> tuple[Outcome, str]:
+        """Return what was measured, and why its numbers contradict each other, or ""."""
         fine = (cell.size[0] * cell.ssaa, cell.size[1] * cell.ssaa)
         check_size(self.device, fine)
         stage = self._prepare(cell)
-        self._on_step(_DRAWING)
         scene, uploaded = stage.scene, stage.uploaded
-        requested = choose_effects(cell.effects, scene.effects)
-        effects = requested & method.shows
+        chosen = choose_effects(cell.effects, scene.effects)
+        effects = chosen & method.shows
+        self._on_step(_DRAWING_TRUTH)
+        with self.watch.running("rendering"):
+            exact = stage.exact(chosen)
+        self._on_step(_DRAWING)
         with self.watch.running("rendering"):
             with Frame(uploaded, method, fine, effects) as frame:
                 image, transmittance = with_transmittance(frame, cell.ssaa)
                 complexity, plan = int(frame.complexity.max()), frame.plan
             cost = _count(uploaded, method, cell.size, effects, plan)
             spread = _order_spread(uploaded, method, cell, effects, plan)
-        images = {"color": self._store("color", files.image_channels(image))}
-        exact = self._score(EXACT, stage, stage.exact, image, images)
-        exact[metrics.TRANSMITTANCE] = metrics.rmse_transmittance(
-            stage.exact_transmittance, transmittance
-        )
-        scores = {EXACT: Scores(exact | spread), PATH_TRACED: Scores(reason=_LEFT_OUT)}
-        if PATH_TRACED in cell.truths:
-            self._on_step(_PATH_TRACING)
-            scores[PATH_TRACED] = self._score_path_traced(stage, image, images)
-        return Outcome(
+        scorer = Scorer(stage, exact, image, self._store)
+        scores, reason = self._score_all(stage, cell, chosen, exact, scorer)
+        rmse = metrics.rmse_transmittance(exact.transmittance, transmittance)
+        own = scores[EXACT].metrics | spread | {metrics.TRANSMITTANCE: rmse}
+        scores[EXACT] = msgspec.structs.replace(scores[EXACT], metrics=own)
+        outcome = Outcome(
             parameters=method.values,
             effects=EffectNames(
-                requested=names(requested & scene.effects),
+                requested=names(chosen & scene.effects),
                 expressed=names(effects),
-                missing=names(requested & scene.effects & ~method.shows),
+                missing=names(chosen & scene.effects & ~method.shows),
             ),
             fragments=cost.fragments,
+            transparent_pixels=int(exact.transparent.sum()),
             max_depth_complexity=complexity,
             passes=cost.passes,
             memory=cost.memory,
@@ -207,10 +212,11 @@ class Bench:
             shading=cost.shading,
             nonfinite=Nonfinite(**metrics.count_nonfinite(image)),
             scores=scores,
-            images=images,
+            images=scorer.images,
             exposure=scene.exposure,
             plan=plan.digest,
         )
+        return outcome, reason
 
     def _prepare(self, cell: Cell) -> Stage:
         """Return the stage of the cell's scene. It is kept while scene and size stay the same."""
@@ -219,54 +225,58 @@ class Bench:
         if stage is not None and (stage.label, stage.size, stage.ssaa) == wanted:
             return stage
         self.leave_scene()
-        with self.watch.running("rendering"), ExitStack() as stack:
-            scene = self.identities.scene(cell.scene)
-            self._on_step(_DRAWING_TRUTH)
-            uploaded = stack.enter_context(UploadedScene(self.device, scene))
-            truth = self.collection.truth()
-            fine = (cell.size[0] * cell.ssaa, cell.size[1] * cell.ssaa)
-            with Frame(uploaded, truth, fine, scene.effects & truth.shows) as frame:
-                exact, transmittance = with_transmittance(frame, cell.ssaa)
-            images = {EXACT: self._store(EXACT, files.image_channels(exact))}
-            stack.pop_all()
-        self._stage = Stage(*wanted, uploaded, exact, transmittance, images)
+        with self.watch.running("rendering"):
+            uploaded = UploadedScene(self.device, self.identities.scene(cell.scene))
+        self._stage = Stage(*wanted, uploaded, self.collection.truth(), self._store)
         return self._stage
 
     def _store(self, kind: str, channels: Channels) -> StoredImage:
         return stored.store(self.folder, f"{IMAGES}/{kind}", channels)
 
-    def _score(
-        self,
-        truth: str,
-        stage: Stage,
-        reference: Image,
-        image: Image,
-        images: dict[str, StoredImage],
-    ) -> dict[str, float | None]:
-        """Return all metrics against a truth, and add it and its maps of FLIP to `images`."""
-        images[truth] = stage.images[truth]
+    def _score_all(
+        self, stage: Stage, cell: Cell, chosen: Effect, exact: Exact, scorer: Scorer
+    ) -> tuple[dict[str, Scores], str]:
+        """Return the scores against all truths, and why truths contradict each other, or ""."""
         with self.watch.running("metrics"):
-            evaluation = metrics.compare(reference, image, stage.scene.exposure)
-            if evaluation.maps:
-                maps = (evaluation.maps[metrics.FLIP_LDR], evaluation.maps[metrics.FLIP_HDR])
-                kind = flip_image(truth)
-                images[kind] = self._store(kind, files.flip_channels(*maps))
-        return evaluation.values
+            scores = {EXACT: scorer.score(EXACT, exact.truth)}
+        reason = ""
+        for kind in TRACED:
+            if kind not in cell.truths:
+                scores[kind] = Scores(reason=_LEFT_OUT)
+                continue
+            truth = self._traced(stage, kind, chosen)
+            scores[kind] = self._score(scorer, kind, truth)
+            if kind == MATCHED and isinstance(truth, Truth):
+                running = stage.scene.effects & chosen
+                reason = disagreement(running, exact.truth, truth, stage.scene.exposure)
+        if stage.scene.effects & ~chosen:
+            kind = ranking_truth(stage.scene.effects)
+            if kind == EXACT:
+                scores[WHOLE] = self._score(scorer, WHOLE, stage.exact(~Effect.NONE).truth)
+            elif kind in cell.truths:
+                whole = self._traced(stage, kind, ~Effect.NONE)
+                scores[WHOLE] = self._score(scorer, WHOLE, whole)
+        return scores, reason
 
-    def _score_path_traced(
-        self, stage: Stage, image: Image, images: dict[str, StoredImage]
-    ) -> Scores:
-        """Score the image against path tracing, and add that truth to `images`."""
+    def _traced(self, stage: Stage, kind: str, chosen: Effect) -> Truth | CapabilityError:
+        """Return a traced truth, or why this machine cannot render it."""
+
+        def progress(done: int, count: int) -> None:
+            # Each part is a step, so that long renderings are not taken for endless ones.
+            self._on_step(_TRACING)
+
+        self._on_step(_TRACING)
         try:
             with self.watch.running("references"):
-                reference, message = stage.reference(self.collection.folders)
+                return stage.traced(kind, chosen, self.collection.folders, progress)
         except CapabilityError as error:
-            return Scores(reason=str(error))
-        if PATH_TRACED not in stage.images:
-            channels = files.image_channels(reference.mean)
-            stage.images[PATH_TRACED] = self._store(PATH_TRACED, channels)
-        values = self._score(PATH_TRACED, stage, reference.mean, image, images)
-        return Scores(values, reference.noise_floor, message=message)
+            return error
+
+    def _score(self, scorer: Scorer, kind: str, truth: Truth | CapabilityError) -> Scores:
+        if isinstance(truth, CapabilityError):
+            return Scores(reason=str(truth))
+        with self.watch.running("metrics"):
+            return scorer.score(kind, truth)
 
     def time(self, cells: Sequence[ScoredCell], schedule: Schedule) -> list[Timing]:
         """Time the cells of one scene against each other; see `time_cells`.

@@ -9,7 +9,8 @@ from msgspec import Struct
 from oitbench.effects import Effect
 from oitbench.errors import UsageError, unknown
 from oitbench.method.ablation import REQUESTED, leave_out
-from oitbench.results.schema import EXACT, PATH_TRACED, CellKey, Record, Status
+from oitbench.results.schema import CellKey, Record, Status
+from oitbench.truths import TRUTHS
 
 
 class Cell(Struct, frozen=True):
@@ -41,7 +42,7 @@ class Cell(Struct, frozen=True):
     effects: str = REQUESTED
     seed: int = 1
     permutations: int = 4
-    truths: tuple[str, ...] = (EXACT, PATH_TRACED)
+    truths: tuple[str, ...] = tuple(TRUTHS)
 
     @property
     def key(self) -> CellKey:

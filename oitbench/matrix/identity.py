@@ -4,14 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from oitbench.effects import Effect
 from oitbench.errors import OitbenchError, UsageError
 from oitbench.fingerprints.code import engine_fingerprint, method_fingerprint, metrics_fingerprint
 from oitbench.fingerprints.scene import scene_fingerprint
-from oitbench.matrix.cell import Cell
+from oitbench.matrix.cell import Cell, choose_effects
 from oitbench.method.declaration import Method
 from oitbench.plugins import Collection
-from oitbench.results.schema import EXACT, PATH_TRACED, Fingerprints
+from oitbench.results.schema import WHOLE, Fingerprints
 from oitbench.scene import Scene
+from oitbench.truths import EXACT, MATCHED, TRACED, ranking_truth
 
 
 class Identities:
@@ -29,7 +31,7 @@ class Identities:
         self._label = ""
         self._scene: tuple[Scene, str] | None = None
         self._methods: dict[str, str] = {}
-        self._truth: tuple[tuple[str, tuple[int, int], int], str] | None = None
+        self._truths: dict[tuple[str, int], str] = {}
 
     def scene(self, label: str) -> Scene:
         """Return a scene by its label."""
@@ -53,8 +55,12 @@ class Identities:
         """
         scene, fingerprint = self._described(cell.scene)
         truths = {EXACT: method_fingerprint(self._collection.truth())}
-        if PATH_TRACED in cell.truths:
-            truths[PATH_TRACED] = self._path_traced(cell, scene)
+        chosen = choose_effects(cell.effects, scene.effects)
+        for kind in TRACED:
+            if kind in cell.truths:
+                truths[kind] = self._traced(cell, scene, kind, chosen)
+        if scene.effects & ~chosen and ranking_truth(scene.effects) in truths.keys() - {EXACT}:
+            truths[WHOLE] = self._traced(cell, scene, MATCHED, ~Effect.NONE)
         return Fingerprints(
             scene=fingerprint,
             method=self.check_unchanged(method),
@@ -78,16 +84,18 @@ class Identities:
 
     def _described(self, label: str) -> tuple[Scene, str]:
         if self._scene is None or self._label != label:
-            self._scene, self._truth = None, None
+            self._scene, self._truths = None, {}
             self._on_building()
             scene = self._collection.build_scene(label)
             self._label, self._scene = label, (scene, scene_fingerprint(scene))
         return self._scene
 
-    def _path_traced(self, cell: Cell, scene: Scene) -> str:
+    def _traced(self, cell: Cell, scene: Scene, kind: str, chosen: Effect) -> str:
         from oitbench.path_traced.references.lookup import truth_fingerprint
+        from oitbench.path_traced.references.wanted import Wanted
 
-        place = (cell.scene, cell.size, cell.ssaa)
-        if self._truth is None or self._truth[0] != place:
-            self._truth = place, truth_fingerprint(scene, *place, self._collection.folders)
-        return self._truth[1]
+        wanted = Wanted(scene, cell.scene, cell.size, cell.ssaa, kind, chosen)
+        place = wanted.key, wanted.grid
+        if place not in self._truths:
+            self._truths[place] = truth_fingerprint(wanted, self._collection.folders)
+        return self._truths[place]

@@ -10,10 +10,10 @@ from pathlib import Path
 from oitbench import parameters as selectors
 from oitbench.catalog.catalog import LOAD_SECONDS, Catalog, Choice
 from oitbench.effects import Effect
-from oitbench.errors import UsageError
+from oitbench.errors import UsageError, unknown
 from oitbench.matrix.cell import Cell, choose_effects
 from oitbench.method.ablation import EACH, REQUESTED
-from oitbench.results.schema import EXACT, PATH_TRACED
+from oitbench.truths import EXACT, TRUTHS
 from oitbench.workers import memory
 
 CELL_SECONDS = 1800.0
@@ -38,8 +38,8 @@ class Preset:
         Random orders of the draws in which every image is rendered again.
     every : bool
         Run all methods and scenes, or only those that are `quick`.
-    path_traced : bool
-        Score against path tracing too, or only against the exact truth.
+    truths : tuple of str
+        Keys of the truths to score against by default.
     """
 
     size: tuple[int, int]
@@ -48,7 +48,7 @@ class Preset:
     budget: float
     permutations: int = 4
     every: bool = True
-    path_traced: bool = True
+    truths: tuple[str, ...] = tuple(TRUTHS)
 
 
 PRESETS = {
@@ -56,7 +56,7 @@ PRESETS = {
     "standard": Preset((512, 512), grid=True, rounds=15, budget=60.0, permutations=16),
     "paper": Preset((1280, 720), grid=True, rounds=31, budget=600.0, permutations=16),
     # For checks against a baseline: metrics and counts, which every run repeats.
-    "guard": Preset((128, 128), grid=False, rounds=0, budget=0.0, path_traced=False),
+    "guard": Preset((128, 128), grid=False, rounds=0, budget=0.0, truths=(EXACT,)),
 }
 
 
@@ -81,7 +81,7 @@ class Matrix:
     force : bool
         Run finished cells again.
     timeout : float, optional
-        Seconds that each step of a cell may take: building the scene, drawing, path tracing.
+        Seconds that each step of a cell may take: building the scene, drawing, tracing.
     workers : int
         Processes that render accuracy images at once; timing is never parallel.
     memory_limit : int
@@ -116,6 +116,7 @@ def plan_matrix(
     timeout: float | None = CELL_SECONDS,
     workers: int = 1,
     memory_gib: float | None = None,
+    truths: Sequence[str] = (),
 ) -> Matrix:
     """Check a request and expand it to cells.
 
@@ -142,6 +143,9 @@ def plan_matrix(
     memory_gib : float, optional
         Memory that one worker may use, in GiB. Default: 75 % of the machine's, divided by the
         number of workers.
+    truths : sequence of str
+        Keys of the truths to score against; the exact one is always among them. Default: those of
+        the preset.
 
     Raises
     ------
@@ -156,6 +160,9 @@ def plan_matrix(
         raise UsageError(
             f"size {size[0]}x{size[1]}, ssaa {ssaa} and workers {workers} must be at least 1"
         )
+    for truth in truths:
+        if truth not in TRUTHS:
+            raise unknown("truth", truth, list(TRUTHS))
     if timeout is not None and not 0 < timeout < math.inf:
         raise UsageError(f"timeout is {timeout:g} s; give seconds above 0, or none for no limit")
     for text in effects:
@@ -163,8 +170,9 @@ def plan_matrix(
             choose_effects(text, Effect.NONE)
     limit = memory.limit(memory_gib, workers)
     seconds = LOAD_SECONDS if timeout is None else min(timeout, LOAD_SECONDS)
-    truths = (EXACT, PATH_TRACED) if chosen.path_traced else (EXACT,)
-    settings = (seed, chosen.permutations, truths)
+    wanted = (EXACT, *(truths or chosen.truths))
+    kept = tuple(truth for truth in TRUTHS if truth in wanted)
+    settings = (seed, chosen.permutations, kept)
     with Catalog(collections, limit, seconds) as catalog:
         chosen_scenes = catalog.expand_scenes(scenes or _preset_scenes(catalog, chosen))
         chosen_methods = catalog.expand_methods(methods or _preset_methods(catalog, chosen))

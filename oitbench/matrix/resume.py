@@ -9,8 +9,9 @@ from pathlib import Path
 from oitbench.errors import UsageError
 from oitbench.image import stored
 from oitbench.matrix.cell import Cell
-from oitbench.results.schema import FINISHED, TRUTHS, Fingerprints, Record, Renderer
+from oitbench.results.schema import FINISHED, WHOLE, Fingerprints, Record, Renderer
 from oitbench.results.store import Store
+from oitbench.truths import MATCHED, TRUTHS
 
 Identify = Callable[[list[Cell]], Sequence[Fingerprints | None]]
 """Returns the fingerprints of the cells of one scene; None if scene or method is broken."""
@@ -103,7 +104,7 @@ def _changes(
     # A truth always changes with its scene, which says enough.
     same_scene = before.scene == now.scene
     for truth in before.truths.keys() & now.truths.keys() if same_scene else ():
-        name = f"the truth by {TRUTHS.get(truth, truth)}"
+        name = f"the truth by {TRUTHS[MATCHED if truth == WHOLE else truth]}"
         pairs[name] = before.truths[truth], now.truths[truth]
     yield from (name for name, (old, new) in pairs.items() if old != new)
 

@@ -2,25 +2,80 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import numpy as np
+import numpy.typing as npt
+
+from oitbench.effects import Effect
 from oitbench.errors import OitbenchError
 from oitbench.gl.frame import Frame, Image
 from oitbench.gl.uploaded_scene import UploadedScene
-from oitbench.image import files
+from oitbench.image import files, ties
+from oitbench.image.files import Channels
 from oitbench.image.stored import StoredImage
+from oitbench.method.declaration import Method
+from oitbench.results.schema import ReferenceFacts
 from oitbench.scene import Scene
+from oitbench.truths import EXACT
 
 if TYPE_CHECKING:
     from oitbench.path_traced.references.storage import Reference
 
+Store = Callable[[str, Channels], StoredImage]
+"""Writes an image of a kind into the results folder."""
+
+
+@dataclass(frozen=True, eq=False)
+class Truth:
+    """A truth of a scene.
+
+    Parameters
+    ----------
+    image : array, shape (h, w, 3), float32
+    stored : StoredImage
+        The image in the results folder.
+    without : sequence of array, shape (h, w, 3), float32
+        Means of all parts but each one; empty if there is no noise, or a single part.
+    noise_floor : mapping of str to float or None
+        By metric.
+    facts : ReferenceFacts, optional
+        Of a traced truth.
+    message : str
+        A remark for readers.
+    """
+
+    image: Image
+    stored: StoredImage
+    without: tuple[Image, ...] = ()
+    noise_floor: Mapping[str, float | None] = field(default_factory=dict)
+    facts: ReferenceFacts | None = None
+    message: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class Exact:
+    """Exact compositing: the truth, its total transmittance, and where anything is transparent.
+
+    Parameters
+    ----------
+    truth : Truth
+    transmittance : array, shape (h, w, 3), float32
+    transparent : array, shape (h, w), bool
+        Pixels with a transparent fragment.
+    """
+
+    truth: Truth
+    transmittance: Image
+    transparent: npt.NDArray[np.bool_]
+
 
 @dataclass
 class Stage:
-    """What the cells of one scene and size share.
+    """What the cells of one scene and size share; each truth is made when it is first asked for.
 
     Parameters
     ----------
@@ -31,33 +86,59 @@ class Stage:
     ssaa : int
         Side of the sub-pixel grid.
     uploaded : UploadedScene
-    exact, exact_transmittance : array, shape (h, w, 3), float32
-        The exact truth.
-    images : dict of str to StoredImage
-        The truths that are stored in the results folder.
+    method : Method
+        Exact compositing.
+    store : Store
     """
 
     label: str
     size: tuple[int, int]
     ssaa: int
     uploaded: UploadedScene
-    exact: Image
-    exact_transmittance: Image
-    images: dict[str, StoredImage]
-    _reference: tuple[Reference, str] | OitbenchError | None = field(default=None, init=False)
+    method: Method
+    store: Store
+    _exact: dict[Effect, Exact] = field(default_factory=dict, init=False)
+    _traced: dict[str, Truth | OitbenchError] = field(default_factory=dict, init=False)
 
     @property
     def scene(self) -> Scene:
         """The scene that is uploaded."""
         return self.uploaded.scene
 
-    def reference(self, folders: Iterable[Path]) -> tuple[Reference, str]:
-        """Return the path-traced truth and a message; the first call may take minutes.
+    def exact(self, chosen: Effect) -> Exact:
+        """Return exact compositing of the scene, without the effects that are not chosen."""
+        effects = self.scene.effects & chosen & self.method.shows
+        if effects not in self._exact:
+            fine = (self.size[0] * self.ssaa, self.size[1] * self.ssaa)
+            with Frame(self.uploaded, self.method, fine, effects) as frame:
+                image, transmittance = with_transmittance(frame, self.ssaa)
+                blocks = frame.complexity[::-1].reshape(
+                    self.size[1], self.ssaa, self.size[0], self.ssaa
+                )
+            truth = Truth(image, self.store(EXACT, files.image_channels(image)))
+            transparent = blocks.max(axis=(1, 3)) > 0
+            self._exact[effects] = Exact(truth, transmittance, transparent)
+        return self._exact[effects]
+
+    def traced(
+        self,
+        kind: str,
+        chosen: Effect,
+        folders: Iterable[Path],
+        progress: Callable[[int, int], None],
+    ) -> Truth:
+        """Return a traced truth; the first call may take minutes.
 
         Parameters
         ----------
+        kind : str
+            MATCHED or FULL.
+        chosen : Effect
+            Effects that are not left out.
         folders : iterable of Path
             Folders of collections.
+        progress : callable
+            As in `render_reference`.
 
         Raises
         ------
@@ -65,16 +146,32 @@ class Stage:
             As `find_or_render` does, in every call.
         """
         from oitbench.path_traced.references.lookup import find_or_render
+        from oitbench.path_traced.references.wanted import Wanted
 
-        if self._reference is None:
+        wanted = Wanted(self.scene, self.label, self.size, self.ssaa, kind, chosen)
+        if wanted.key not in self._traced:
             try:
-                place = self.label, self.size, self.ssaa
-                self._reference = find_or_render(self.scene, *place, folders)
+                self._traced[wanted.key] = self._truth(
+                    kind, *find_or_render(wanted, folders, progress)
+                )
             except OitbenchError as error:
-                self._reference = error
-        if isinstance(self._reference, OitbenchError):
-            raise self._reference
-        return self._reference
+                self._traced[wanted.key] = error
+        found = self._traced[wanted.key]
+        if isinstance(found, OitbenchError):
+            raise found
+        return found
+
+    def _truth(self, kind: str, reference: Reference, message: str) -> Truth:
+        how, image = reference.rendering, reference.mean
+        facts = ReferenceFacts(how.ssaa, how.spp, how.parts, reference.random, reference.seconds)
+        return Truth(
+            image,
+            self.store(kind, files.image_channels(image)),
+            tuple(ties.means_without(reference.parts)),
+            reference.noise_floor,
+            facts,
+            message,
+        )
 
 
 def with_transmittance(frame: Frame, ssaa: int) -> tuple[Image, Image]:

@@ -8,7 +8,7 @@ from typing import Any
 
 from oitbench.parameters import natural
 from oitbench.results.records import Panel
-from oitbench.results.schema import PATH_TRACED, Outcome, Record
+from oitbench.results.schema import Outcome, Record
 
 
 def outcomes(panel: Panel) -> list[tuple[Record, Outcome]]:
@@ -16,20 +16,20 @@ def outcomes(panel: Panel) -> list[tuple[Record, Outcome]]:
     return [(cell, cell.outcome) for cell in panel.finished if cell.outcome is not None]
 
 
-def largest_noise_floor(cells: Iterable[Record], metric: str) -> float | None:
-    """Return the largest noise floor of the cells' path-traced truth; None if none is known."""
-    floors = (cell.noise_floor(PATH_TRACED, metric) for cell in cells)
+def largest_noise_floor(cells: Iterable[Record], truth: str, metric: str) -> float | None:
+    """Return the largest noise floor of a truth of the cells; None if none is known."""
+    floors = (cell.noise_floor(truth, metric) for cell in cells)
     return max((floor for floor in floors if floor is not None), default=None)
 
 
 def most_complete(cells: Iterable[Record], metric: str) -> Record | None:
     """Return the cell that misses the fewest effects; None if there are no cells.
 
-    Among equals, it is the one with the lowest error against path tracing.
+    Among equals, it is the one with the lowest error against the truth that ranks them.
     """
 
     def shortcomings(cell: Record) -> tuple[int, float, Any]:
-        error = cell.metric(PATH_TRACED, metric)
+        error = cell.metric(cell.ranking_truth, metric)
         count = len(cell.missing_effects)
         return count, math.inf if error is None else error, natural(cell.method)
 

@@ -3,10 +3,15 @@
 from __future__ import annotations
 
 from oitbench.report.artifacts import Column
+from oitbench.truths import TRUTHS
 
 SCENE = Column("scene", "Scene", kind="text")
 METHOD = Column("method", "Method", kind="method")
 _END = "of the interval that holds the true median with a probability of at least 95 %"
+_PIXELS = {
+    "transparent": "pixels with a transparent fragment",
+    "opaque": "pixels without a transparent fragment",
+}
 DISTURBED = Column(
     "disturbed", "Disturbed", kind="text", help="whether other processes disturbed the times"
 )
@@ -22,21 +27,36 @@ TIMES = (
 """Median method time with its interval, its part of the sort, shading, and frame time."""
 
 
-def path_traced_error(metric: str) -> Column:
-    """Return the column of a FLIP metric against path tracing."""
+RANKING_TRUTH = Column(
+    "ranking_truth", "Ranked by", kind="text", help="the truth that ranks the methods of the scene"
+)
+
+
+def error(truth: str, metric: str) -> Column:
+    """Return the column of a FLIP metric against a traced truth."""
     return Column(
-        f"path_traced.{metric}",
-        "FLIP traced",
+        f"{truth}.{metric}",
+        f"FLIP {truth}",
         decimals=4,
-        help=f"mean {metric} against path tracing",
+        help=f"mean {metric} against {TRUTHS[truth]}",
     )
 
 
-def noise_floor(metric: str) -> Column:
-    """Return the column of the noise floor of a FLIP metric."""
+def split_error(truth: str, pixels: str, metric: str) -> Column:
+    """Return the column of a FLIP metric over the pixels that are "transparent" or "opaque"."""
     return Column(
-        f"noise_floor.{metric}",
-        "Noise floor",
+        f"{truth}.{pixels}.{metric}",
+        f"{truth.capitalize()}, {pixels}",
         decimals=4,
-        help=f"{metric} between two halves of the samples of the path-traced reference",
+        help=f"mean {metric} against {TRUTHS[truth]} over the {_PIXELS[pixels]}",
+    )
+
+
+def noise_floor(truth: str, metric: str) -> Column:
+    """Return the column of the noise floor of a FLIP metric against a traced truth."""
+    return Column(
+        f"{truth}.noise_floor.{metric}",
+        f"{truth.capitalize()} floor",
+        decimals=4,
+        help=f"{metric} that the noise of {TRUTHS[truth]} alone causes",
     )

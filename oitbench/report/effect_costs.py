@@ -6,11 +6,12 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import NamedTuple
 
+from oitbench.image.ties import clear_difference
 from oitbench.measure.intervals import interval
 from oitbench.report.cells import effect_labels, total_memory, total_traffic
 from oitbench.report.times import is_disturbed
 from oitbench.results.records import Ablation, Panel
-from oitbench.results.schema import PATH_TRACED, Record
+from oitbench.results.schema import WHOLE, Record
 
 
 class SavedTime(NamedTuple):
@@ -38,9 +39,12 @@ class EffectCost:
     memory, traffic : int
         Bytes that leaving the effect out saves, shared shading included.
     gain : float, optional
-        Increase of the path-traced error when the effect is left out.
+        Increase of the error when the effect is left out, against the truth that ranks the scene
+        with all effects.
+    clear : bool
+        Whether the gain is more than noise of that truth; see `oitbench.image.ties`.
     noise_floor : float, optional
-        Noise floor of the path-traced reference.
+        Of that truth.
     """
 
     ablation: Ablation
@@ -48,6 +52,7 @@ class EffectCost:
     memory: int
     traffic: int
     gain: float | None
+    clear: bool
     noise_floor: float | None
 
     @property
@@ -70,7 +75,7 @@ class EffectCost:
         """How the effect changes the error: "better", "worse" or "tie"; empty if unknown."""
         if self.gain is None:
             return ""
-        if abs(self.gain) <= (self.noise_floor or 0.0):
+        if not self.clear:
             return "tie"
         return "better" if self.gain > 0 else "worse"
 
@@ -81,14 +86,16 @@ def effect_costs(panel: Panel, metric: str) -> Iterator[EffectCost]:
         complete, reduced = ablation.complete, ablation.reduced
         if complete.outcome is None or reduced.outcome is None:
             continue
-        errors = [cell.metric(PATH_TRACED, metric) for cell in (reduced, complete)]
+        truth = complete.ranking_truth
+        before, after = complete.errors(truth, metric), reduced.errors(WHOLE, metric)
         yield EffectCost(
             ablation,
             saved_time(complete, reduced),
             total_memory(complete.outcome) - total_memory(reduced.outcome),
             total_traffic(complete.outcome) - total_traffic(reduced.outcome),
-            None if errors[0] is None or errors[1] is None else errors[0] - errors[1],
-            complete.noise_floor(PATH_TRACED, metric),
+            after.error - before.error if before and after else None,
+            bool(before and after and clear_difference(after, before)),
+            complete.noise_floor(truth, metric),
         )
 
 

@@ -2,63 +2,88 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Iterator, Sequence
 
 from oitbench.image import metrics
 from oitbench.report.cells import largest_noise_floor
+from oitbench.report.ranking import ranking
 from oitbench.report.times import EXPLANATION, is_disturbed, signed
-from oitbench.results.records import Results
-from oitbench.results.schema import EXACT, PATH_TRACED, Record
+from oitbench.results.records import Panel, Results
+from oitbench.truths import COMPOSITING_ONLY, EXACT, FULL, MATCHED, TRUTHS
 
 _MISSING = "–"
+_OTHERS = {
+    EXACT: f"FLIP against {TRUTHS[EXACT]}: {COMPOSITING_ONLY}, no ranking",
+    MATCHED: f"FLIP against {TRUTHS[MATCHED]}, all scenes",
+    FULL: f"FLIP against {TRUTHS[FULL]}, for context; it ranks nothing",
+}
+"""Further tables, one for each truth, and their titles."""
 
 
 def tables(results: Results) -> str:
-    """Return FLIP and method time by scene and method, one table for each truth with results.
+    """Return FLIP by scene and method: against the ranking truth with times, then against each.
 
     Each panel of the results is a row: a scene at one size with one set of effects. Cells that
-    leave out effects are not shown.
+    leave out effects are not shown. In the first table, methods with the lowest error of a row,
+    ties included, are bold.
     """
-    parts = [f"FLIP against exact compositing, median method time\n\n{_table(results, _cost)}"]
+    ranked = [
+        [panel.title, panel.truth, *_ranked(panel, results.methods)] for panel in results.panels()
+    ]
+    parts = [
+        "FLIP against the ranking truth, median method time\n\n"
+        + _table(["scene", "truth", "noise floor"], results.methods, ranked)
+    ]
     if any(map(is_disturbed, results.records)):
         parts.append(f"{EXPLANATION}\n")
-    traced = _table(results, _distance, noise_floor=True)
-    if traced:
-        parts.append(f"FLIP against path tracing\n\n{traced}")
+    for truth, title in _OTHERS.items():
+        rows = [
+            [panel.title, *found]
+            for panel in results.panels()
+            if (truth, panel.truth) != (EXACT, EXACT)
+            and (found := _errors(panel, results.methods, truth))
+        ]
+        floors = [] if truth == EXACT else ["noise floor"]
+        if rows:
+            parts.append(f"{title}\n\n{_table(['scene', *floors], results.methods, rows)}")
     return "\n".join(parts)
 
 
-def _table(results: Results, text: Callable[[Record], str], noise_floor: bool = False) -> str:
-    """Return a table with one row per scene and one column per method; "" without cells."""
-    rows = []
-    for panel in results.panels():
-        cells = {cell.method: cell for cell in panel.cells}
-        found = [cells.get(method) for method in results.methods]
-        texts = [text(record) if record else _MISSING for record in found]
-        if noise_floor:
-            floor = largest_noise_floor(panel.cells, metrics.FLIP_LDR)
-            if floor is None:
-                continue
-            texts.insert(0, f"{floor:.3f}")
-        rows.append([panel.title, *texts])
-    if not rows:
-        return ""
-    floors = ["noise floor"] if noise_floor else []
-    heading = ["scene", *floors, *(f"`{method}`" for method in results.methods)]
-    lines = [heading, ["---"] * len(heading), *rows]
+def _table(heading: Sequence[str], methods: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    first = [*heading, *(f"`{method}`" for method in methods)]
+    lines = [first, ["---"] * len(first), *rows]
     escaped = ([text.replace("|", r"\|") for text in line] for line in lines)
     return "".join(f"| {' | '.join(line)} |\n" for line in escaped)
 
 
-def _cost(record: Record) -> str:
-    """Return the error against exact compositing and the method time."""
-    error = record.metric(EXACT, metrics.FLIP_LDR)
-    time = f"{record.time.method_ms.median:.3g} ms" if record.time else _MISSING
-    time = signed(time, is_disturbed(record))
-    return f"{_MISSING if error is None else f'{error:.4f}'}, {time}"
+def _ranked(panel: Panel, methods: Sequence[str]) -> Iterator[str]:
+    """Yield the noise floor, and each method's error and method time."""
+    found = ranking(panel, metrics.FLIP_LDR)
+    best = found.best if len(found.errors) > 1 else []
+    cells = {cell.method: cell for cell in panel.cells}
+    yield _floor(found.noise_floor)
+    for method in methods:
+        cell, errors = cells.get(method), found.errors.get(method)
+        if cell is None:
+            yield _MISSING
+            continue
+        error = _MISSING if errors is None else f"{errors.error:.4f}"
+        error = f"**{error}**" if method in best else error
+        time = f"{cell.time.method_ms.median:.3g} ms" if cell.time else _MISSING
+        yield f"{error}, {signed(time, is_disturbed(cell))}"
 
 
-def _distance(record: Record) -> str:
-    """Return the error against path tracing."""
-    error = record.metric(PATH_TRACED, metrics.FLIP_LDR)
-    return _MISSING if error is None else f"{error:.3f}"
+def _errors(panel: Panel, methods: Sequence[str], truth: str) -> list[str]:
+    """Return the noise floor of a traced truth, and each method's error; nothing without errors."""
+    cells = {cell.method: cell for cell in panel.cells}
+    values = {method: cell.metric(truth, metrics.FLIP_LDR) for method, cell in cells.items()}
+    if all(value is None for value in values.values()):
+        return []
+    shown = (values.get(method) for method in methods)
+    texts = [_MISSING if value is None else f"{value:.4f}" for value in shown]
+    floor = largest_noise_floor(panel.cells, truth, metrics.FLIP_LDR)
+    return texts if truth == EXACT else [_floor(floor), *texts]
+
+
+def _floor(value: float | None) -> str:
+    return _MISSING if value is None else f"{value:.4f}"

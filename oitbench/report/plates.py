@@ -18,8 +18,9 @@ from oitbench.report import figures
 from oitbench.report.artifacts import ImageGrid, Tile, fixed
 from oitbench.report.cells import largest_noise_floor
 from oitbench.report.context import ReportContext
+from oitbench.report.ranking import truth_label
 from oitbench.results.records import Panel
-from oitbench.results.schema import PATH_TRACED, TRUTHS, Record
+from oitbench.results.schema import Record
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure as Canvas
@@ -65,16 +66,26 @@ def display(image: Image, stops: float) -> Image:
 def show_truth(context: ReportContext, panel: Panel, truth: str, folder: Path) -> Shown:
     """Return the tile of a truth, after writing its picture to `folder`."""
     image = first_image(context, panel, truth)
-    floor = largest_noise_floor(panel.finished, context.flip) if truth == PATH_TRACED else None
     tile = Tile(
-        TRUTHS[truth],
+        truth_label(panel, truth),
         None,
         None,
-        () if floor is None else (f"noise floor {fixed(floor, 4)}",),
+        truth_text(context, panel, truth),
         "" if image is not None else why_no_truth(context, panel.cells, truth),
         truth=True,
     )
     return _write(tile, image, None, exposure(panel.finished), folder)
+
+
+def truth_text(context: ReportContext, panel: Panel, truth: str) -> tuple[str, ...]:
+    """Return the noise floor of a traced truth, and the sub-pixels of it and of the methods."""
+    scores = (cell.outcome.scores[truth] for cell in panel.finished if cell.outcome)
+    facts = next((found.reference for found in scores if found.reference), None)
+    if facts is None:
+        return ()
+    floor = largest_noise_floor(panel.finished, truth, context.flip)
+    text = "no noise" if not facts.random else f"noise floor {fixed(floor or 0.0, 4)}"
+    return text, f"ssaa {facts.ssaa}; methods {panel.finished[0].ssaa}"
 
 
 def show_cell(
@@ -106,10 +117,13 @@ def show_cell(
     return _write(tile, image, errors, exposure([cell]), folder)
 
 
-def error_text(context: ReportContext, cell: Record, truth: str) -> tuple[str, ...]:
-    """Return the mean error of a cell against a truth as text; empty if it has none."""
+def error_text(context: ReportContext, cell: Record, truth: str, name: str = "") -> tuple[str, ...]:
+    """Return the mean error of a cell against a truth as text; empty if it has none.
+
+    `name` is that of the truth for readers. Default: its key.
+    """
     value = cell.metric(truth, context.flip)
-    return () if value is None else (f"{fixed(value, 4)} to {truth.replace('_', ' ')}",)
+    return () if value is None else (f"{fixed(value, 4)} to {name or truth}",)
 
 
 def note(cell: Record) -> str:

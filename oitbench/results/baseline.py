@@ -28,14 +28,15 @@ from oitbench.atomic import replacing
 from oitbench.errors import UsageError
 from oitbench.image import metrics
 from oitbench.results.records import Results
-from oitbench.results.schema import EXACT, FINISHED, TRUTHS, PassRuns, Record
+from oitbench.results.schema import FINISHED, WHOLE, PassRuns, Record
 from oitbench.results.times import Interval
+from oitbench.truths import EXACT, TRUTHS
 
 Entry = int | float | str | None
 Row = Mapping[str, Entry]
 """A cell as flat fields: `exact.rmse_lin`, `traffic.bytes`, `effects.missing`, …"""
 
-FORMAT = 3
+FORMAT = 4
 METRICS = (
     *metrics.NAMES,
     metrics.TRANSMITTANCE,
@@ -87,6 +88,7 @@ def row(record: Record) -> Row:
     for kind in ("requested", "expressed", "missing"):
         fields[f"effects.{kind}"] = ", ".join(getattr(outcome.effects, kind))
     fields["passes"] = _passes(outcome.passes)
+    fields["ranking_truth"] = record.ranking_truth
     for truth, scores in outcome.scores.items():
         for name in METRICS:
             if name in scores.metrics:
@@ -189,7 +191,7 @@ def _read_file(path: Path) -> Snapshot:
 def _is_row(fields: Any) -> bool:
     if not isinstance(fields, dict) or "status" not in fields:
         return False
-    truths = tuple(f"{truth}." for truth in TRUTHS)
+    truths = tuple(f"{truth}." for truth in (*TRUTHS, WHOLE))
     for name, value in fields.items():
         allowed = int | float | None if name.startswith(truths) else int | float | str | None
         if isinstance(value, bool) or not isinstance(value, allowed):

@@ -17,7 +17,8 @@ from typing import Any
 from oitbench.image import metrics
 from oitbench.results import baseline as baselines
 from oitbench.results.baseline import Entry, Row, Snapshot
-from oitbench.results.schema import FINISHED, TRUTHS
+from oitbench.results.schema import FINISHED, WHOLE
+from oitbench.truths import TRUTHS
 
 MISSING, ORPHANED, CHANGED, LOST, WORSE = "missing", "orphaned", "changed", "lost", "worse"
 BETTER, SLOWER, FASTER = "better", "slower", "faster"
@@ -209,7 +210,7 @@ def _judge_row(before: Row, now: Row, counts: Tolerance) -> Iterator[tuple[str, 
 
 def _judge(name: str, before: Row, now: Row, counts: Tolerance) -> str | None:
     truth, _, metric = name.partition(".")
-    if truth in TRUTHS:
+    if truth in TRUTHS or truth == WHOLE:
         return _judge_metric(metric, _score(truth, metric, before), _score(truth, metric, now))
     value, other = before[name], now[name]
     if isinstance(value, int | float) and isinstance(other, int | float):

@@ -18,6 +18,7 @@ from oitbench.parameters import natural
 from oitbench.results.schema import CellKey, Record, Renderer, RunFacts, flip_image
 from oitbench.results.store import CELLS, RUN, read_cells, read_run
 from oitbench.results.table import flat
+from oitbench.truths import EXACT
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -62,6 +63,11 @@ class Panel:
     def finished(self) -> tuple[Record, ...]:
         """Cells that have an image and numbers."""
         return tuple(cell for cell in self.cells if cell.finished)
+
+    @property
+    def truth(self) -> str:
+        """The truth that ranks these cells, which all request the same effects."""
+        return self.finished[0].ranking_truth if self.finished else EXACT
 
 
 @dataclass(frozen=True)

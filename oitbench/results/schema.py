@@ -7,19 +7,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any, Final, Literal
 
 import msgspec
 from msgspec import Meta, Struct
 
+from oitbench.effects import effects_of
 from oitbench.image.stored import StoredImage
+from oitbench.image.ties import Errors
 from oitbench.parameters import Value
 from oitbench.results.checksum import CHECKSUM
 from oitbench.results.times import Processor, Time
+from oitbench.truths import ranking_truth
 
-VERSION: Final = 2
+VERSION: Final = 3
 """Version of the schema; a change of any field raises it."""
 SCHEMA_FILE = Path(__file__).with_name("record.schema.json")
 
@@ -31,9 +33,9 @@ FINISHED: frozenset[Status] = frozenset({"ok", "unstable", "suspect"})
 TROUBLED: frozenset[Status] = frozenset({"unstable", "suspect", "failed", "timeout"})
 """Statuses of cells that a user should look at; a run that has one exits with 1."""
 
-EXACT, PATH_TRACED = "exact", "path_traced"
-TRUTHS: Mapping[str, str] = {EXACT: "exact compositing", PATH_TRACED: "path tracing"}
-"""Keys of the truths in a record, and their names for readers."""
+WHOLE = "whole"
+"""Key of the scores and images of a cell that leaves effects out, against the ranking truth with
+all effects that the scene requests."""
 
 
 class _Typed(Struct, frozen=True, forbid_unknown_fields=True):
@@ -108,15 +110,35 @@ class EffectNames(_Typed, frozen=True):
     missing: list[str]
 
 
+class ReferenceFacts(_Typed, frozen=True):
+    """How a traced truth was rendered: its sub-pixel grid, samples, parts and wall-clock seconds.
+
+    `spp` counts samples of each sub-pixel in each part. `random` says whether it has noise.
+    """
+
+    ssaa: Annotated[int, Meta(ge=1)]
+    spp: Count
+    parts: Count
+    random: bool
+    seconds: float
+
+
 class Scores(_Typed, frozen=True):
     """Metrics against one truth; null where a metric has no finite value.
 
-    `noise_floor` holds the same metrics between halves of the truth's own samples. `reason` says
-    why there are no metrics, and `message` is a remark on the truth for readers.
+    `noise_floor` holds the metrics that the noise of the truth alone causes, and `reference` how a
+    traced truth was rendered. `jackknife` has, for a truth with noise in several parts, the FLIP
+    metrics against the mean of all parts but each one. `transparent` and `opaque` are the means of
+    FLIP over pixels with a transparent fragment and over the others; null if there are none.
+    `reason` says why there are no metrics, and `message` is a remark on the truth for readers.
     """
 
     metrics: dict[str, float | None] = {}
     noise_floor: dict[str, float | None] = {}
+    jackknife: dict[str, list[float]] = {}
+    transparent: dict[str, float | None] = {}
+    opaque: dict[str, float | None] = {}
+    reference: ReferenceFacts | None = None
     reason: str = ""
     message: str = ""
 
@@ -124,14 +146,17 @@ class Scores(_Typed, frozen=True):
 class Outcome(_Typed, frozen=True):
     """Everything measured of a cell that has an image, except times.
 
-    `images` are files below the results folder: `color`, the truths, and for each truth
-    `flip_TRUTH`, the maps of FLIP (channel `ldr`) and HDR-FLIP (`hdr`). `exposure` is in stops.
-    `plan` is a digest of the targets, buffers and passes that the method declared.
+    `scores` has an entry for each truth. A cell that leaves effects out also has `whole`: the truth
+    that ranks the scene with all of them. `images` are files below the results folder: `color`, the
+    truths, and for each truth `flip_TRUTH`, the maps of FLIP (channel `ldr`) and HDR-FLIP (`hdr`).
+    `transparent_pixels` counts pixels with a transparent fragment. `exposure` is in stops. `plan`
+    is a digest of the targets, buffers and passes that the method declared.
     """
 
     parameters: dict[str, Value]
     effects: EffectNames
     fragments: Count
+    transparent_pixels: Count
     max_depth_complexity: Count
     passes: list[PassRuns]
     memory: Memory
@@ -203,7 +228,7 @@ class Record(_Typed, frozen=True):
     fingerprints: Fingerprints | None = None
     outcome: Outcome | None = None
     time: Time | None = None
-    schema: Literal[2] = VERSION
+    schema: Literal[3] = VERSION
 
     @property
     def key(self) -> CellKey:
@@ -234,10 +259,23 @@ class Record(_Typed, frozen=True):
         scores = self.outcome.scores.get(truth) if self.outcome else None
         return scores.metrics.get(name) if scores else None
 
+    def errors(self, truth: str, name: str) -> Errors | None:
+        """Return a FLIP metric against a truth with what its noise does to it, or None."""
+        scores = self.outcome.scores.get(truth) if self.outcome else None
+        value = scores.metrics.get(name) if scores else None
+        if scores is None or value is None:
+            return None
+        return Errors(value, scores.jackknife.get(name, ()))
+
     def noise_floor(self, truth: str, name: str) -> float | None:
-        """Return a metric between halves of a truth's own samples, or None."""
+        """Return a metric that the noise of a truth alone causes, or None."""
         scores = self.outcome.scores.get(truth) if self.outcome else None
         return scores.noise_floor.get(name) if scores else None
+
+    @property
+    def ranking_truth(self) -> str:
+        """The truth that ranks the methods of the scene with the effects of this cell."""
+        return ranking_truth(effects_of(self.requested_effects))
 
     @property
     def missing_effects(self) -> list[str]:
@@ -273,7 +311,7 @@ class RunFacts(_Typed, frozen=True):
     git: Commit | None = None
     date: str = ""
     wall: dict[str, float] = {}
-    schema: Literal[2] = VERSION
+    schema: Literal[3] = VERSION
 
     @property
     def renderer(self) -> str:

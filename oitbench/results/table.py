@@ -5,8 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 from oitbench.image import metrics
-from oitbench.results.schema import EXACT, PATH_TRACED, TRUTHS, Record
+from oitbench.results.schema import Record
 from oitbench.results.times import Interval, Time
+from oitbench.truths import EXACT, TRACED, TRUTHS
 
 MEBIBYTE = 2**20
 MEGABYTE = 10**6
@@ -37,10 +38,21 @@ def flat(record: Record) -> dict[str, Any]:
         "missing_effects": ", ".join(record.missing_effects),
         "unstable_pixels": outcome.nonfinite.total if outcome else 0,
     }
+    row["ranking_truth"] = record.ranking_truth if outcome else None
     for truth in TRUTHS:
+        scores = outcome.scores.get(truth) if outcome else None
         row |= {f"{truth}.{name}": record.metric(truth, name) for name in metrics.NAMES}
+        for name in (metrics.FLIP_LDR, metrics.FLIP_HDR):
+            row[f"{truth}.transparent.{name}"] = scores.transparent.get(name) if scores else None
+            row[f"{truth}.opaque.{name}"] = scores.opaque.get(name) if scores else None
     row |= {f"{EXACT}.{name}": record.metric(EXACT, name) for name in _EXACT_ONLY}
-    return row | {f"noise_floor.{name}": record.noise_floor(PATH_TRACED, name) for name in _FLOORS}
+    for truth in TRACED:
+        scores = outcome.scores.get(truth) if outcome else None
+        facts = scores.reference if scores else None
+        row |= {f"{truth}.noise_floor.{name}": record.noise_floor(truth, name) for name in _FLOORS}
+        for name in ("ssaa", "spp", "parts", "seconds"):
+            row[f"{truth}.reference.{name}"] = getattr(facts, name, None)
+    return row
 
 
 def flat_times(time: Time | None) -> dict[str, float | None]:

@@ -27,7 +27,7 @@ from oitbench.measure.clock import Clock, clock_of
 from oitbench.measure.timing import time_method
 from oitbench.method.declaration import Method
 from oitbench.plugins import Collection
-from oitbench.results.schema import EXACT
+from oitbench.truths import EXACT
 
 SCENE = "smoke_and_glass[detail=0.02]"
 """Particles, refraction, diffusion and shadows."""

@@ -66,12 +66,13 @@ def test_without_a_home_folder_references_are_not_cached(
         raise RuntimeError("Could not determine home directory.")
 
     from oitbench.path_traced.references import lookup
+    from oitbench.path_traced.references.wanted import Wanted
     from oitbench.plugins import Collection
 
     monkeypatch.delenv("XDG_CACHE_HOME", raising=False)
     monkeypatch.setattr(Path, "home", homeless)
     scene = Collection.load().build_scene("glass_bars")
-    _, message = lookup.find_or_render(scene, "glass_bars", (4, 4), 1, [])
+    _, message = lookup.find_or_render(Wanted(scene, "glass_bars", (4, 4), 1), [])
     assert message == "not cached: there is no home folder; set XDG_CACHE_HOME"
 
 

@@ -198,7 +198,7 @@ def test_stability_loses_faulty_methods_only(faulty: Path, tmp_path: Path) -> No
 @needs_mitsuba
 def test_reference_loses_faulty_scenes_only(faulty: Path, tmp_path: Path) -> None:
     scenes = ("s_raises", *(f"build_{name}" for name in FAULTS), "huge", "fine")
-    limits = ("--timeout", "8", "--memory", "2", "--size", "8x8")
+    limits = ("--timeout", "8", "--memory", "2", "--size", "8x8", "--truth", "full")
     place = ("--collection", str(faulty), "-o", str(tmp_path))
     answer = spawn("reference", *scenes, *limits, *place)
     assert answer.code == 1, answer.err
@@ -208,7 +208,7 @@ def test_reference_loses_faulty_scenes_only(faulty: Path, tmp_path: Path) -> Non
         (line,) = [line for line in lines if f" build_{name}: " in line]
         assert reason in line
     assert any("huge: needs more than 2 GiB" in line for line in lines)
-    assert storage.read_manifest(tmp_path).keys() == {"fine@8x8"}
+    assert storage.read_manifest(tmp_path).keys() == {"fine@8x8.full"}
     assert answer.out.startswith("rendered ")
     assert spawn("reference", "fine", *limits, *place).code == 0
 

@@ -23,10 +23,11 @@ parameters = {"coverage": Parameter(0.5)}
 def build(*, name: str, coverage: float) -> Scene:
     corners = np.array([(-1, -1, 0), (1, -1, 0), (1, 1, 0)], dtype=np.float32)
     mesh = Mesh(corners, np.array([(0, 1, 2)], dtype=np.uint32))
-    film = Object("film", mesh, Material(coverage, emission=(1.0, 0.5, 0.25)))
+    film = Object("film", mesh, Material(coverage, (1.0, 0.5, 0.25), emission=(1.0, 0.5, 0.25)))
     return Scene(name, Camera((0.0, 0.0, 4.0)), (film,), background=(0.1, 0.2, 0.3))
 '''
-SIZE = (12, 8)
+FULL = ("--truth", "full")
+KEY = "pane@12x8.full"
 
 
 @pytest.fixture
@@ -42,23 +43,23 @@ def test_a_check_passes_until_the_reference_or_the_scene_changes(
     call: Call, folder: Path, tmp_path: Path
 ) -> None:
     check = ("reference", "--collection", folder, "-o", tmp_path / "failures", "--check", "pane")
-    answer = call("reference", "pane", "--size", "12x8", "--collection", folder)
+    answer = call("reference", "pane", *FULL, "--size", "12x8", "--collection", folder)
     assert answer.code == 0, answer
     references = folder / storage.FOLDER
-    assert storage.read_manifest(references).keys() == {"pane@12x8"}
+    assert storage.read_manifest(references).keys() == {KEY}
     answer = call(*check)
     assert (answer.code, "passed" in answer.out) == (0, True), answer
-    reference = storage.read(references, "pane", SIZE)
+    reference = storage.read(references, KEY)
     assert reference is not None
-    changed = dataclasses.replace(reference, mean=reference.mean * np.float32(1.1))
+    changed = dataclasses.replace(reference, parts=(reference.mean * np.float32(1.1),))
     storage.save(references, changed)
-    assert len(list(references.glob("pane@12x8.mean-*.exr"))) == 1
+    assert len(list(references.glob(f"{KEY}.mean-*.exr"))) == 1
     answer = call(*check)
     assert (answer.code, "failed" in answer.out) == (1, True), answer
     scene = folder / "scenes" / "pane.py"
     scene.write_text(SCENE.replace("(0.1, 0.2, 0.3)", "(0.9, 0.2, 0.3)"))
     answer = call(*check)
-    assert (answer.code, "pane@12x8: the scene has changed" in answer.out) == (1, True), answer
+    assert (answer.code, f"{KEY}: the scene has changed" in answer.out) == (1, True), answer
 
 
 @needs_mitsuba
@@ -66,14 +67,14 @@ def test_a_stale_reference_is_adopted_if_its_picture_is_still_right(
     call: Call, folder: Path, tmp_path: Path
 ) -> None:
     arguments = ("reference", "--collection", folder, "-o", tmp_path / "failures", "pane")
-    answer = call("reference", "pane", "--size", "12x8", "--collection", folder)
+    answer = call("reference", "pane", *FULL, "--size", "12x8", "--collection", folder)
     assert answer.code == 0, answer
     path = folder / "scenes" / "pane.py"
     # What lies behind the camera changes the scene, but not its picture.
     path.write_text(SCENE.replace("(0.0, 0.0, 4.0)", "(0.0, 0.0, 4.0), far=50.0"))
     assert call(*arguments, "--check").code == 1
     answer = call(*arguments, "--check", "--adopt")
-    assert (answer.code, "adopted  pane@12x8" in answer.out) == (0, True), answer
+    assert (answer.code, f"adopted  {KEY}" in answer.out) == (0, True), answer
     answer = call(*arguments, "--check")
     assert (answer.code, "passed" in answer.out) == (0, True), answer
     path.write_text(SCENE.replace("(0.1, 0.2, 0.3)", "(0.9, 0.2, 0.3)"))
@@ -83,13 +84,39 @@ def test_a_stale_reference_is_adopted_if_its_picture_is_still_right(
     assert (answer.code, "the scene has changed" in answer.out) == (1, True), answer
 
 
+@needs_mitsuba
+def test_matched_references_are_rendered_without_effects_and_checked(
+    call: Call, folder: Path, tmp_path: Path
+) -> None:
+    place = ("--collection", folder)
+    answer = call("reference", "pane", "--size", "12x8", *place)
+    assert answer.code == 0, answer
+    answer = call(
+        "reference", "pane", "--truth", "matched", "--effects=-colored_transmission",
+        "--size", "6x4", *place,
+    )  # fmt: skip
+    assert answer.code == 0, answer
+    infos = storage.read_manifest(folder / storage.FOLDER)
+    assert infos.keys() == {KEY, "pane@12x8.matched", "pane@6x4.matched-colored_transmission"}
+    last = infos["pane@6x4.matched-colored_transmission"].rendering
+    assert (last.effects, last.left_out, last.parts) == (["COVERAGE"], ["COLORED_TRANSMISSION"], 1)
+    answer = call("reference", "--check", "pane", "-o", tmp_path / "failures", *place)
+    assert (answer.code, answer.out.count("passed")) == (0, 3), answer
+    # The sub-pixel grid and the effects are those that are stored.
+    assert call("reference", "pane", *place).code == 0
+    assert storage.read_manifest(folder / storage.FOLDER).keys() == infos.keys()
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
         (("pain",), "'pain'; did you mean pane"),
         (("pane", "--size", "12"), "'12'"),
-        (("pane", "--check", "--size", "3x3"), "pane"),
+        (("pane", "--check", *FULL, "--size", "3x3"), "pane"),
         (("pane", "--adopt"), "--adopt needs --check"),
+        (("pane", "--effects=-refraction"), "--effects needs --truth matched"),
+        (("pane", "--truth", "matched", "--effects=-fog"), "unknown effect 'fog'"),
+        (("pane", "--truth", "exact"), "exact"),
     ],
 )
 def test_wrong_input_is_refused(

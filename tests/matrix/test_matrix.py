@@ -25,8 +25,9 @@ from oitbench.measure import timing
 from oitbench.measure.rounds import Schedule
 from oitbench.measure.timing import Timings
 from oitbench.plugins import Collection
-from oitbench.results.schema import EXACT, EffectNames, Nonfinite, Outcome, Record
+from oitbench.results.schema import EffectNames, Nonfinite, Outcome, Record
 from oitbench.results.store import CELLS, read_cells
+from oitbench.truths import EXACT, TRACED
 
 SIZE = (32, 32)
 MATRIX = (["calm", "restless[count=5]"], ["alpha_blend", "a_buffer[node=compact]"])
@@ -82,7 +83,9 @@ def test_a_record_has_all_facts_for_reports(finished: Path) -> None:
     error = record.metric("exact", "rmse_lin")
     assert error is not None
     assert 0 < error < 0.01
-    assert "path" in outcome.scores["path_traced"].reason
+    for truth in TRACED:
+        assert "traced" in outcome.scores[truth].reason
+    assert outcome.transparent_pixels == 32 * 32
     assert record.time is not None
     assert len(record.time.method_ms.samples) == 9
     assert record.time.method_ms.ends is not None

@@ -66,7 +66,7 @@ def test_a_cell_of_the_same_content_is_kept(tmp_path: Path) -> None:
         ("engine", "the engine"),
         ("metrics", "the metrics"),
         ("truths.exact", "the truth by exact compositing"),
-        ("truths.path_traced", "the truth by path tracing"),
+        ("truths.matched", "the truth by matched tracing"),
     ],
 )
 def test_a_change_of_content_is_named(path: str, name: str, tmp_path: Path) -> None:

@@ -16,7 +16,8 @@ from oitbench.matrix.cell import Cell
 from oitbench.matrix.timed_cells import ScoredCell, Timing, time_cells
 from oitbench.measure.rounds import Schedule
 from oitbench.plugins import Collection
-from oitbench.results.schema import EXACT, Record
+from oitbench.results.schema import Record
+from oitbench.truths import EXACT
 from tests.helpers import collection, method, write_method
 
 METHODS = (

@@ -12,7 +12,7 @@ from oitbench.matrix.bench import Bench
 from oitbench.matrix.cell import Cell
 from oitbench.matrix.plan import PRESETS, plan_matrix
 from oitbench.plugins import Collection
-from oitbench.results.schema import EXACT
+from oitbench.truths import EXACT
 
 
 @pytest.fixture

@@ -13,9 +13,10 @@ import pytest
 from oitbench.errors import StorageError, UsageError
 from oitbench.image import stored
 from oitbench.path_traced.references import lookup, storage
+from oitbench.truths import FULL
 from tests.damage import cut, flip_bit, largest_file
 from tests.path_traced.agreement import needs_mitsuba
-from tests.path_traced.stored import KEY, LABEL, SIZE, make_reference, make_scene, read_back
+from tests.path_traced.stored import KEY, SIZE, make_reference, make_scene, read_back, wanted
 
 
 def test_a_damaged_reference_costs_no_other_and_names_the_fix(tmp_path: Path) -> None:
@@ -25,16 +26,16 @@ def test_a_damaged_reference_costs_no_other_and_names_the_fix(tmp_path: Path) ->
     whole = json.loads(path.read_text())
     del whole["references"][KEY]["rendering"]["spp"]
     path.write_text(json.dumps(whole))
-    pattern = r"manifest\.json: entry window\[seed=2\]@12x8 is damaged; restore it, or run 'oitb"
+    pattern = r"manifest\.json: entry window\[seed=2\]@12x8\.full is damaged; restore it, or run"
     with pytest.raises(UsageError, match=pattern):
-        storage.read(folder, LABEL, SIZE)
+        storage.read(folder, KEY)
     assert storage.read_manifest(folder) == {}
-    found = lookup.find(make_scene(), LABEL, SIZE, 2, [tmp_path])
+    found = lookup.find(wanted(make_scene()), [tmp_path])
     assert found.reference is None
     assert "is damaged" in found.message
     # The advice works: rendering it again repairs the entry.
     storage.save(folder, make_reference(make_scene()))
-    assert lookup.find(make_scene(), LABEL, SIZE, 2, [tmp_path]).message == ""
+    assert lookup.find(wanted(make_scene()), [tmp_path]).message == ""
 
 
 @pytest.mark.parametrize(
@@ -54,7 +55,7 @@ def test_a_damaged_manifest_is_reported_with_the_fix(
     path.write_text(text)
     with pytest.raises(UsageError, match=message):
         storage.read_manifest(path.parent)
-    assert message in lookup.find(make_scene(), LABEL, SIZE, 2, [tmp_path]).message
+    assert message in lookup.find(wanted(make_scene()), [tmp_path]).message
     # A damaged manifest is never replaced: it may hold entries that somebody can restore.
     with pytest.raises(UsageError, match=message):
         storage.save(path.parent, make_reference(make_scene()))
@@ -69,7 +70,7 @@ def test_every_flipped_bit_of_a_manifest_is_noticed(tmp_path: Path) -> None:
     for number in range(0, 8 * len(whole), 7):
         flip_bit(path, number)
         try:
-            found = storage.read(tmp_path, LABEL, SIZE)
+            found = storage.read(tmp_path, KEY)
         except UsageError:
             found = None
         # A flipped bit may still leave the same values, as in a blank.
@@ -91,7 +92,7 @@ def _cut_end(path: Path) -> None:
 def test_damaged_and_missing_images_are_errors(tmp_path: Path) -> None:
     storage.save(tmp_path, make_reference(make_scene()))
     (info,) = storage.read_manifest(tmp_path).values()
-    for image in (info.mean, info.variance):
+    for image in info.images:
         path = tmp_path / image.path
         whole = path.read_bytes()
         for damage in (_flip_middle, _cut_end):
@@ -112,11 +113,11 @@ def test_paths_that_leave_the_folder_are_damage(tmp_path: Path) -> None:
     content = json.loads(path.read_text())
     (info,) = storage.read_manifest(path.parent).values()
     for wrong in ("../a.exr", "/etc/a.exr", "a/../../b.exr"):
-        moved = msgspec.structs.replace(info, mean=stored.StoredImage(wrong, "0" * 64, 1))
+        moved = msgspec.structs.replace(info, parts=[stored.StoredImage(wrong, "0" * 64, 1)])
         content["references"][KEY] = storage._entry(moved)
         path.write_text(json.dumps(content))
         with pytest.raises(UsageError, match="is damaged"):
-            storage.read(path.parent, LABEL, SIZE)
+            storage.read(path.parent, KEY)
 
 
 def test_a_label_with_a_path_stays_in_its_folder(tmp_path: Path) -> None:
@@ -126,7 +127,9 @@ def test_a_label_with_a_path_stays_in_its_folder(tmp_path: Path) -> None:
     storage.save(tmp_path / "reference", dataclasses.replace(made, rendering=named))
     assert [path.name for path in tmp_path.iterdir()] == ["reference"]
     assert all(path.is_file() for path in (tmp_path / "reference").iterdir())
-    assert storage.read(tmp_path / "reference", label, SIZE) is not None
+    assert (
+        storage.read(tmp_path / "reference", storage.reference_key(label, SIZE, FULL)) is not None
+    )
 
 
 def test_a_full_disk_keeps_the_old_reference_whole(tmp_path: Path) -> None:
@@ -139,6 +142,7 @@ def test_a_full_disk_keeps_the_old_reference_whole(tmp_path: Path) -> None:
             storage.save(tmp_path, new)
         back = read_back(tmp_path)
         assert back.rendering == old.rendering
+        assert old.variance is not None
         np.testing.assert_array_equal(back.variance, old.variance)
     storage.save(tmp_path, new)
     assert read_back(tmp_path).rendering == new.rendering
@@ -152,12 +156,13 @@ def test_a_damaged_reference_of_the_cache_is_rendered_again(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
-    first, _ = lookup.find_or_render(make_scene(), LABEL, SIZE, 2, [])
+    first, _ = lookup.find_or_render(wanted(make_scene()), [])
     for path in sorted(tmp_path.rglob("*.*")):
         whole = path.read_bytes()
         for damage in (_flip_middle, Path.unlink):
             damage(path)
-            again, message = lookup.find_or_render(make_scene(), LABEL, SIZE, 2, [])
+            again, message = lookup.find_or_render(wanted(make_scene()), [])
             assert message == ""
             np.testing.assert_array_equal(again.mean, first.mean)
-            assert path.read_bytes() == whole
+            # The manifest tells how long the rendering took.
+            assert path.name == storage.MANIFEST or path.read_bytes() == whole

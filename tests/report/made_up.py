@@ -16,13 +16,13 @@ from oitbench.image.stored import StoredImage
 from oitbench.report import ReportContext
 from oitbench.results.records import Results
 from oitbench.results.schema import (
-    EXACT,
-    PATH_TRACED,
+    WHOLE,
     EffectNames,
     Memory,
     MemoryTerm,
     Nonfinite,
     Record,
+    ReferenceFacts,
     Renderer,
     RunFacts,
     Scores,
@@ -33,6 +33,7 @@ from oitbench.results.schema import (
     flip_image,
 )
 from oitbench.results.store import IMAGES
+from oitbench.truths import EXACT, FULL, MATCHED
 from tests.made_up import failed, outcome_of, record, timed, write
 
 SIDE = 16
@@ -78,7 +79,7 @@ def finished(
     error : float
         One minus the factor.
     traced : bool
-        Whether there is a path-traced truth.
+        Whether there are traced truths.
     outcome : mapping
         Fields of `Outcome` that replace the made-up ones.
     **fields
@@ -90,11 +91,13 @@ def finished(
     truth, picture = _pictures(error)
     evaluation = _compare(error)
     kinds = ["color", EXACT, flip_image(EXACT)]
-    scores = {EXACT: Scores(evaluation.values), PATH_TRACED: Scores(reason="no geometry")}
+    none = Scores(reason="no geometry")
+    scores = {EXACT: Scores(evaluation.values), MATCHED: none, FULL: none}
     if traced:
-        kinds += [PATH_TRACED, flip_image(PATH_TRACED)]
-        floor: dict[str, float | None] = {metrics.FLIP_LDR: FLOOR, metrics.RMSE: FLOOR}
-        scores[PATH_TRACED] = Scores(evaluation.values, floor)
+        wanted = [MATCHED, FULL, *([WHOLE] if made.effects.startswith("-") else [])]
+        for kind in wanted:
+            kinds += [kind, flip_image(kind)]
+            scores[kind] = _noisy(evaluation.values)
     images: dict[str, StoredImage] = {}
     for kind in kinds:
         if kind.startswith("flip_"):
@@ -112,6 +115,20 @@ def finished(
     return msgspec.structs.replace(made, outcome=replaced)
 
 
+def _noisy(values: dict[str, float | None]) -> Scores:
+    """Return scores against a reference of eight parts."""
+    floor: dict[str, float | None] = {metrics.FLIP_LDR: FLOOR, metrics.RMSE: FLOOR}
+    flips = {name: values[name] or 0.0 for name in (metrics.FLIP_LDR, metrics.FLIP_HDR)}
+    return Scores(
+        values,
+        floor,
+        {name: [flip * (1 + 0.002 * (k - 3.5)) for k in range(8)] for name, flip in flips.items()},
+        {name: 1.5 * flip for name, flip in flips.items()},
+        {name: 0.5 * flip for name, flip in flips.items()},
+        ReferenceFacts(8, 4, 8, True, 12.5),
+    )
+
+
 def unstable(folder: Path, scene: str, method: str) -> Record:
     """Return a record whose picture has a NaN, and therefore neither metrics nor maps."""
     made = finished(folder, scene, method, 0.2)
@@ -125,7 +142,7 @@ def unstable(folder: Path, scene: str, method: str) -> Record:
     changed = msgspec.structs.replace(
         outcome,
         nonfinite=Nonfinite(**metrics.count_nonfinite(picture)),
-        scores={EXACT: nothing, PATH_TRACED: nothing},
+        scores={EXACT: nothing, MATCHED: nothing, FULL: nothing},
         images=images,
     )
     return msgspec.structs.replace(made, status="unstable", reason="1 NaN pixel", outcome=changed)

@@ -13,6 +13,7 @@ from oitbench.report.cells import (
     total_memory,
     total_traffic,
 )
+from oitbench.truths import MATCHED
 from tests.report.made_up import FLOOR, finished, unfinished, with_effects
 
 
@@ -34,15 +35,15 @@ def test_the_most_complete_cell_misses_the_least_then_errs_the_least(tmp_path: P
     assert most_complete([], metrics.FLIP_LDR) is None
 
 
-def test_noise_floors_belong_to_the_path_traced_truth(tmp_path: Path) -> None:
+def test_noise_floors_belong_to_a_traced_truth(tmp_path: Path) -> None:
     cells = [
         unfinished("panes", "glow"),
         finished(tmp_path, "panes", "murk", 0.1, traced=False),
     ]
-    assert largest_noise_floor(cells, metrics.FLIP_LDR) is None
+    assert largest_noise_floor(cells, MATCHED, metrics.FLIP_LDR) is None
     cells.append(finished(tmp_path, "panes", "glow", 0.1))
-    assert largest_noise_floor(cells, metrics.FLIP_LDR) == FLOOR
-    assert largest_noise_floor(cells, metrics.FLIP_HDR) is None
+    assert largest_noise_floor(cells, MATCHED, metrics.FLIP_LDR) == FLOOR
+    assert largest_noise_floor(cells, MATCHED, metrics.FLIP_HDR) is None
 
 
 def test_names_of_effects() -> None:

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from oitbench.image import metrics
-from oitbench.results.schema import EXACT, PATH_TRACED
+from oitbench.truths import EXACT, MATCHED
 from tests.report.made_up import context, finished, unfinished
 
 
@@ -27,7 +27,7 @@ def test_a_color_does_not_depend_on_the_other_methods(tmp_path: Path) -> None:
     assert styles[0] == styles[1]
 
 
-@pytest.mark.parametrize("truth", [EXACT, PATH_TRACED])
+@pytest.mark.parametrize("truth", [EXACT, MATCHED])
 def test_the_map_belongs_to_the_metric(tmp_path: Path, truth: str) -> None:
     cell = finished(tmp_path, "panes", "murk", 0.3)
     ldr = context(tmp_path, [cell], tmp_path)
@@ -46,4 +46,4 @@ def test_the_map_belongs_to_the_metric(tmp_path: Path, truth: str) -> None:
 def test_cells_can_lack_maps(tmp_path: Path) -> None:
     cells = [finished(tmp_path, "panes", "murk", 0.3, traced=False), unfinished("panes", "glow")]
     shown = context(tmp_path, cells, tmp_path)
-    assert [shown.flip_map(cell, PATH_TRACED) for cell in cells] == [None, None]
+    assert [shown.flip_map(cell, MATCHED) for cell in cells] == [None, None]

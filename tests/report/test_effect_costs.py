@@ -33,7 +33,7 @@ def test_without_times_nothing_is_saved() -> None:
     assert saved_time(other, timed_cell) is None
 
 
-def test_gains_within_the_noise_floor_are_ties(tmp_path: Path) -> None:
+def test_gains_that_are_not_clear_are_ties(tmp_path: Path) -> None:
     complete = with_effects(tmp_path, "full", 0.1)
     reduced = with_effects(tmp_path, "full", 0.3, effects="-diffusion", gone=["DIFFUSION"])
     (panel,) = Results(tmp_path, (complete, reduced), FACTS).panels()
@@ -41,9 +41,9 @@ def test_gains_within_the_noise_floor_are_ties(tmp_path: Path) -> None:
     assert cost.effect == "diffusion"
     assert cost.gain is not None
     assert cost.verdict == "better"
+    assert cost.clear
     assert changed(cost, gain=-cost.gain).verdict == "worse"
-    assert changed(cost, noise_floor=cost.gain).verdict == "tie"
-    assert changed(cost, noise_floor=None, gain=0.0).verdict == "tie"
+    assert changed(cost, clear=False).verdict == "tie"
     assert changed(cost, gain=None).verdict == ""
 
 

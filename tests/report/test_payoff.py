@@ -43,7 +43,7 @@ def test_errors_can_be_tied(tmp_path: Path) -> None:
     plain = with_effects(tmp_path, "plain", 0.4, missing=["DIFFUSION"])
     summary, sentence = notes(tmp_path, full, plain)
     assert summary.endswith("in panes (tied).")
-    assert "a tie within the noise floor of 0.0100" in sentence
+    assert "panes: a tie: " in sentence
     rows = pd.read_csv(tmp_path / "payoff.csv", keep_default_na=False)
     assert rows["mark"].to_list() == ["best", "tied with the best"]
 

@@ -20,15 +20,20 @@ def test_plates_of_methods_of_diffusion_and_of_effects_left_out(tmp_path: Path) 
     shown = context(tmp_path, cells, tmp_path)
     methods, pair, ablation = Collection.load().reports["phenomena"].build(shown)
     assert isinstance(methods, ImageGrid)
-    assert [tile.label for tile in methods.tiles] == ["path tracing", "full", "plain"]
-    assert methods.tiles[1].values[1] == "all effects"
-    assert methods.tiles[2].values[1] == "misses 1 of 5 effects"
-    assert all(tile.error_map is not None for tile in methods.tiles[1:])
+    assert [tile.label for tile in methods.tiles] == [
+        "matched tracing",
+        "full path tracing",
+        "full",
+        "plain",
+    ]
+    assert methods.tiles[2].values[1] == "all effects"
+    assert methods.tiles[3].values[1] == "misses 1 of 5 effects"
+    assert all(tile.error_map is not None for tile in methods.tiles[2:])
     assert isinstance(pair, Figure)
     assert "full" in pair.caption
     assert isinstance(ablation, ImageGrid)
     assert [tile.label for tile in ablation.tiles] == [
-        "path tracing",
+        "matched tracing",
         "all effects",
         "without diffusion",
         "without translucent shadows",

@@ -5,17 +5,12 @@ from __future__ import annotations
 from pathlib import Path
 
 import pandas as pd
+import pytest
 
 from oitbench.plugins import Collection
 from tests.report.made_up import context, unfinished, with_effects
 
 TABLE = Collection.load().reports["table"]
-
-
-def test_errors_within_the_floor_share_a_rank() -> None:
-    errors = {"a": 0.10, "b": 0.105, "c": 0.12, "d": 0.128, "e": 0.2}
-    assert TABLE.ties(errors, 0.01) == {"a": "1=", "b": "1=", "c": "3=", "d": "3=", "e": "5"}
-    assert TABLE.ties({"a": 0.1, "b": 0.1}, 0.0) == {"a": "1=", "b": "1="}
 
 
 def test_cells_that_leave_effects_out_are_listed_without_a_rank(tmp_path: Path) -> None:
@@ -28,5 +23,12 @@ def test_cells_that_leave_effects_out_are_listed_without_a_rank(tmp_path: Path) 
     (table,) = TABLE.build(context(tmp_path, cells, tmp_path))
     rows = pd.read_csv(table.csv, keep_default_na=False)
     assert rows["left_out"].to_list() == ["", "", "diffusion", "shadows"]
-    assert rows["path_traced.rank"].to_list() == ["1", "2", "", ""]
+    assert rows["rank"].to_list() == ["1", "2", "", ""]
+    # A scene that requests diffusion is ranked by matched tracing; without it, by compositing.
+    assert rows["ranking_truth"].to_list() == ["matched", "matched", "exact", ""]
+    assert rows["exact.remark"].to_list() == ["compositing only", "compositing only", "", ""]
+    ratio = pd.to_numeric(rows["matched.transparent.flip_ldr@67ppd"][:3]) / pd.to_numeric(
+        rows["matched.opaque.flip_ldr@67ppd"][:3]
+    )
+    assert ratio.to_list() == pytest.approx([3.0] * 3)
     assert rows["missing_effects"].to_list() == ["", "diffusion", "", ""]

@@ -50,7 +50,7 @@ def test_no_text_is_a_formula_in_a_spreadsheet(tmp_path: Path, text: str) -> Non
 def test_bars_in_names_add_no_columns_to_markdown(tmp_path: Path) -> None:
     folder = store(tmp_path, finished(tmp_path, "panes", "a|b", 0.1))
     lines = tables(Results.load(folder)).splitlines()
-    assert "| scene | `a\\|b` |" in lines
+    assert "| scene | truth | noise floor | `a\\|b` |" in lines
 
 
 def narrow(folder: Path, size: tuple[int, int]) -> Record:

@@ -53,9 +53,9 @@ def test_a_metric_may_change_within_its_tolerance_only(before: Path, name: str) 
         assert bool(comparison.improvements) == (verdict == "better")
 
 
-def test_metrics_against_the_path_traced_truth_are_compared_too(before: Path) -> None:
-    change = field(f"outcome.scores.path_traced.metrics.{metrics.RMSE}", 0.1)
-    assert found(compared(before, change)) == [("worse", ALPHA, f"path_traced.{metrics.RMSE}")]
+def test_metrics_against_traced_truths_are_compared_too(before: Path) -> None:
+    change = field(f"outcome.scores.matched.metrics.{metrics.RMSE}", 0.1)
+    assert found(compared(before, change)) == [("worse", ALPHA, f"matched.{metrics.RMSE}")]
 
 
 def test_tolerances_grow_with_the_baseline() -> None:

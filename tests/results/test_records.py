@@ -9,7 +9,7 @@ import pytest
 
 from oitbench.errors import UsageError
 from oitbench.results.records import Results
-from oitbench.results.schema import EXACT, PATH_TRACED
+from oitbench.truths import EXACT, MATCHED
 from tests.damage import flip_bit
 from tests.report.made_up import FACTS, finished, store, unfinished, unstable, with_effects
 
@@ -70,7 +70,7 @@ def test_rows_are_flat(tmp_path: Path) -> None:
     )
     frame = Results.load(store(tmp_path, *cells)).frame()
     assert len(frame) == 4
-    assert frame["path_traced.flip_ldr@67ppd"].notna().sum() == 1
+    assert frame["matched.flip_ldr@67ppd"].notna().sum() == 1
     assert set(frame["name"]) == {"murk", "glow", "<b>bold</b>"}
     assert not frame.map(lambda value: isinstance(value, list | dict)).any(axis=None)
 
@@ -79,11 +79,11 @@ def test_images_and_maps_can_be_missing(tmp_path: Path) -> None:
     cell = finished(tmp_path, "panes", "murk", 0.3, traced=False)
     results = Results(tmp_path, (cell,), FACTS)
     assert results.image(cell, "color") is not None
-    assert results.image(cell, PATH_TRACED) is None
+    assert results.image(cell, MATCHED) is None
     maps = results.flip_maps(cell, EXACT)
     assert maps is not None
     assert [errors.shape for errors in maps] == [(16, 16)] * 2
-    assert results.flip_maps(cell, PATH_TRACED) is None
+    assert results.flip_maps(cell, MATCHED) is None
     assert cell.outcome is not None
     path = tmp_path / cell.outcome.images["flip_exact"].path
     path.unlink()

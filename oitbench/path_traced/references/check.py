@@ -1,4 +1,8 @@
-"""Checking a stored reference against a new rendering with few samples."""
+"""Checking a stored reference against a new rendering.
+
+A full one is compared with few samples of another seed. Matched pictures are repeatable, so the
+first part is rendered again, and must be equal but for rounding.
+"""
 
 from __future__ import annotations
 
@@ -9,13 +13,14 @@ import numpy as np
 from oitbench.filenames import file_name
 from oitbench.image import files as images
 from oitbench.image.files import Image
+from oitbench.path_traced.references.rendering import render_part
 from oitbench.path_traced.references.storage import Reference
 from oitbench.path_traced.references.z_test import ZTest, z_test
 from oitbench.path_traced.trace.render import Progress, render
 from oitbench.scene import Scene
 
 CHECK_SPP = 4
-"""Samples of the new rendering for each sub-pixel."""
+"""Samples of the new rendering for each sub-pixel, of a full reference."""
 
 
 def check(
@@ -25,7 +30,7 @@ def check(
     spp: int = CHECK_SPP,
     progress: Progress | None = None,
 ) -> ZTest:
-    """Render a scene again, with few samples and another seed, and test it against `reference`.
+    """Render a scene again, and test the picture against `reference`.
 
     Parameters
     ----------
@@ -35,7 +40,7 @@ def check(
         If the test fails, the new image, the reference, their difference and the p-values are
         written to a folder below it, as EXR and PNG files.
     spp : int
-        Samples for each sub-pixel.
+        Samples for each sub-pixel, of a full reference.
     progress : callable, optional
         See `trace.render.Progress`.
 
@@ -49,13 +54,17 @@ def check(
         As `trace.render.render` does.
     """
     known = reference.rendering
-    estimate = render(scene, known.size, known.ssaa, spp, known.seed + 1, progress)
-    # The variance of the new mean follows from the stored one, which is known far better.
-    variance = reference.variance * (1 + known.spp / estimate.spp)
-    result = z_test(estimate.mean, reference.mean, variance)
+    if reference.variance is None:
+        image, truth = render_part(scene, known, 0), reference.parts[0]
+        result = z_test(image, truth, np.zeros(truth.shape))
+    else:
+        estimate = render(scene, known.size, known.ssaa, spp, known.seed + 1, progress)
+        image, truth = estimate.mean, reference.mean
+        # The variance of the new mean follows from the stored one, which is known far better.
+        result = z_test(image, truth, reference.variance * (1 + known.spp / estimate.spp))
     if not result.passed:
         folder = failure_folder(output, reference)
-        _write_failure(folder, scene.exposure, estimate.mean, reference.mean, result)
+        _write_failure(folder, scene.exposure, image, truth, result)
     return result
 
 

@@ -24,10 +24,11 @@ from oitbench.path_traced.references.storage import (
     Reference,
     Rendering,
     read,
-    reference_key,
     save,
     stored_precision,
 )
+from oitbench.path_traced.references.wanted import Wanted
+from oitbench.path_traced.trace.render import Progress
 from oitbench.path_traced.version import TRACER
 from oitbench.scene import Scene
 
@@ -52,41 +53,34 @@ class Found:
     stale: tuple[Path, Reference] | None = None
 
 
-def find(
-    scene: Scene, label: str, size: tuple[int, int], ssaa: int, folders: Iterable[Path]
-) -> Found:
+def find(wanted: Wanted, folders: Iterable[Path]) -> Found:
     """Return the stored reference of a scene from a collection.
 
     Parameters
     ----------
-    scene : Scene
-    label : str
-        The canonical label of the scene.
-    size : (int, int)
-        Width and height in pixels.
-    ssaa : int
-        Side of the sub-pixel grid. References of another grid do not count.
+    wanted : Wanted
+        References of another sub-pixel grid do not count.
     folders : iterable of Path
         Folders of collections. The last one that has a reference takes precedence.
     """
-    current = scene_fingerprint(scene)
+    current = scene_fingerprint(wanted.scene)
     messages: list[str] = []
     stale: tuple[Path, Reference] | None = None
     for folder in [folder / FOLDER for folder in folders][::-1]:
         try:
-            found = read(folder, label, size)
+            found = read(folder, wanted.key)
         except UsageError as error:
             messages.append(str(error))
             continue
-        if found is None or found.rendering.ssaa != ssaa:
+        if found is None or found.rendering.ssaa != wanted.grid:
             continue
         changed = _changed(found.rendering, current)
         if not changed:
             return Found(found, "; ".join(messages))
         stale = stale or (folder, found)
         messages.append(
-            f"{folder / reference_key(label, size)}: {changed} has changed since this reference was"
-            f" rendered; run 'oitbench reference {label}'"
+            f"{folder / wanted.key}: {changed} has changed since this reference was rendered; run"
+            f" 'oitbench reference {wanted.label}'"
         )
     return Found(None, "; ".join(messages), stale)
 
@@ -113,22 +107,14 @@ def adopt(scene: Scene, folder: Path, stale: Reference) -> None:
     storage.adopt(folder, known.key, current)
 
 
-def truth_fingerprint(
-    scene: Scene, label: str, size: tuple[int, int], ssaa: int, folders: Iterable[Path]
-) -> str:
-    """Return a digest of the rendering of the reference that `find_or_render` returns.
-
-    Parameters
-    ----------
-    scene, label, size, ssaa, folders
-        As in `find`.
-    """
-    found = find(scene, label, size, ssaa, folders).reference
-    return (found.rendering if found else plan_rendering(scene, label, size, ssaa)).digest
+def truth_fingerprint(wanted: Wanted, folders: Iterable[Path]) -> str:
+    """Return a digest of the rendering of the reference that `find_or_render` returns."""
+    found = find(wanted, folders).reference
+    return (found.rendering if found else plan_rendering(wanted)).digest
 
 
 def find_or_render(
-    scene: Scene, label: str, size: tuple[int, int], ssaa: int, folders: Iterable[Path]
+    wanted: Wanted, folders: Iterable[Path], progress: Progress = lambda done, count: None
 ) -> tuple[Reference, str]:
     """Return a reference that fits a scene: from a collection, else from the cache, else rendered.
 
@@ -136,8 +122,10 @@ def find_or_render(
 
     Parameters
     ----------
-    scene, label, size, ssaa, folders
+    wanted, folders
         As in `find`.
+    progress : callable
+        As in `render_reference`.
 
     Returns
     -------
@@ -153,32 +141,32 @@ def find_or_render(
     SceneError
         If the radiance of a ray is not finite.
     """
-    found = find(scene, label, size, ssaa, folders)
+    found = find(wanted, folders)
     if found.reference is not None:
         return found.reference, found.message
     messages = [found.message] if found.message else []
-    wanted = plan_rendering(scene, label, size, ssaa)
+    rendering = plan_rendering(wanted)
     cache = cache_folder()
-    place = cache / wanted.digest if cache is not None else None
-    reference = _read_cached(place, label, size)
+    place = cache / rendering.digest if cache is not None else None
+    reference = _read_cached(place, wanted.key)
     if reference is None:
-        fresh = render_reference(scene, wanted)
+        fresh = render_reference(wanted.scene, rendering, progress)
         try:
             if place is None:
                 raise UsageError("there is no home folder; set XDG_CACHE_HOME")
             save(place, fresh)
         except UsageError as error:
             messages.append(f"not cached: {error}")
-        reference = _read_cached(place, label, size) or stored_precision(fresh)
+        reference = _read_cached(place, wanted.key) or stored_precision(fresh)
     return reference, "; ".join(messages)
 
 
-def _read_cached(place: Path | None, label: str, size: tuple[int, int]) -> Reference | None:
+def _read_cached(place: Path | None, key: str) -> Reference | None:
     """Return a reference of the cache, or None; a damaged one is removed."""
     if place is None:
         return None
     try:
-        return read(place, label, size)
+        return read(place, key)
     except UsageError:
         with suppress(OSError):
             (place / MANIFEST).unlink()

@@ -2,16 +2,29 @@
 
 from __future__ import annotations
 
+import math
+import time
+from collections.abc import Callable
+from typing import TypeVar
+
+from oitbench.effects import Effect, effects_of, names
 from oitbench.fingerprints.scene import scene_fingerprint
-from oitbench.image import metrics
+from oitbench.image import metrics, ties
+from oitbench.image.files import Image
 from oitbench.path_traced import llvm
+from oitbench.path_traced.matched.render import is_random as matched_is_random
+from oitbench.path_traced.matched.render import matched
 from oitbench.path_traced.references.storage import Reference, Rendering
+from oitbench.path_traced.references.wanted import Wanted
 from oitbench.path_traced.trace.path_tracer import is_random
 from oitbench.path_traced.trace.render import Estimate, Progress, render
 from oitbench.path_traced.version import TRACER
 from oitbench.scene import Scene
+from oitbench.truths import MATCHED
 
-# Samples for each sub-pixel, so that a picture of 256 × 256 takes some minutes.
+_Result = TypeVar("_Result")
+
+# Samples for each sub-pixel of a full reference, so that a picture of 256 × 256 takes some minutes.
 PARTICLES_SPP = 4
 """For scenes with particles, of which a ray crosses a hundred."""
 MEDIUM_SPP = 128
@@ -22,8 +35,31 @@ DEFAULT_SPP = 64
 """For all other scenes. Those that need no random numbers get a single sample."""
 
 
-def default_spp(scene: Scene) -> int:
-    """Return how many samples each sub-pixel of a reference gets by default."""
+MATCHED_RAYS = {
+    Effect.VOLUME: 8,
+    Effect.AMBIENT_OCCLUSION: 32,
+    Effect.DIFFUSION: 16,
+    Effect.CAUSTICS: 32,
+}
+"""Rays for each pixel in each part of a matched reference, by the random effects that run."""
+
+
+def matched_spp(effects: Effect, grid: int) -> int:
+    """Return how many samples each sub-pixel of a part of a matched reference gets by default.
+
+    Parameters
+    ----------
+    effects : Effect
+        Effects that run.
+    grid : int
+        Side of the sub-pixel grid.
+    """
+    rays = max((count for effect, count in MATCHED_RAYS.items() if effect in effects), default=1)
+    return math.ceil(rays / grid**2)
+
+
+def full_spp(scene: Scene) -> int:
+    """Return how many samples each sub-pixel of a full reference gets by default."""
     if any(item.particles for item in scene.objects):
         return PARTICLES_SPP
     if scene.medium is not None:
@@ -36,39 +72,51 @@ def noise_floor(estimate: Estimate, exposure: float) -> dict[str, float | None]:
     first, second = estimate.halves
     return {
         metrics.FLIP_LDR: metrics.flip_ldr(first, second, exposure),
+        metrics.FLIP_HDR: metrics.flip_hdr(first, second, exposure),
         metrics.RMSE: metrics.rmse(first, second),
     }
 
 
-def plan_rendering(
-    scene: Scene,
-    label: str,
-    size: tuple[int, int],
-    ssaa: int,
-    spp: int | None = None,
-    seed: int = 1,
-) -> Rendering:
-    """Return how a reference of a scene is rendered by this version of the suite.
+def parts_floor(parts: tuple[Image, ...], exposure: float) -> dict[str, float | None]:
+    """Return the error that the noise of a matched reference causes, by metric."""
+
+    def ldr(image: Image, truth: Image) -> float:
+        return metrics.flip_ldr(truth, image, exposure) or 0.0
+
+    def hdr(image: Image, truth: Image) -> float:
+        return metrics.flip_hdr(truth, image, exposure) or 0.0
+
+    def rmse(image: Image, truth: Image) -> float:
+        return metrics.rmse(truth, image) or 0.0
+
+    measures = {metrics.FLIP_LDR: ldr, metrics.FLIP_HDR: hdr, metrics.RMSE: rmse}
+    return {name: ties.noise_floor(parts, metric) for name, metric in measures.items()}
+
+
+def plan_rendering(wanted: Wanted, spp: int | None = None, seed: int = 1) -> Rendering:
+    """Return how a reference is rendered by this version of the suite.
 
     Parameters
     ----------
-    scene : Scene
-    label : str
-        The canonical label of the scene.
-    size : (int, int)
-        Width and height in pixels.
-    ssaa : int
-        Side of the sub-pixel grid.
+    wanted : Wanted
     spp : int, optional
-        Samples for each sub-pixel. Default: `default_spp(scene)`. Scenes that need no random
-        numbers always get one.
+        Samples for each sub-pixel, of each part. Default: `matched_spp` or `full_spp`. Pictures
+        that need no random numbers always get one.
     seed : int
     """
+    scene, effects, grid = wanted.scene, wanted.effects, wanted.grid
+    is_matched = wanted.truth == MATCHED
+    random = matched_is_random(scene, effects) if is_matched else is_random(scene)
+    default = matched_spp(effects, grid) if is_matched else full_spp(scene)
     return Rendering(
-        scene=label,
-        size=size,
-        ssaa=ssaa,
-        spp=(spp or default_spp(scene)) if is_random(scene) else 1,
+        scene=wanted.label,
+        truth="matched" if is_matched else "full",
+        effects=names(effects),
+        left_out=wanted.left_out,
+        size=wanted.size,
+        ssaa=grid,
+        spp=(spp or default) if random else 1,
+        parts=ties.PARTS if is_matched and random else 1,
         seed=seed,
         tracer=TRACER,
         mitsuba=str(llvm.backend().mitsuba),
@@ -86,36 +134,62 @@ def render_reference(
     scene : Scene
     rendering : Rendering
     progress : callable
-        See `trace.render.Progress`.
+        See `trace.render.Progress`; of a matched reference, it counts parts.
 
     Raises
     ------
     UsageError, CapabilityError, SceneError
         As `trace.render.render` does.
     """
-    estimate = _render_with_bar(scene, rendering, progress)
+    start = time.perf_counter()
+    label = f"tracing {rendering.scene} ({rendering.truth})"
+    if rendering.truth == MATCHED:
+        parts = _with_bar(label, lambda show: _render_parts(scene, rendering, show), progress)
+        floor = parts_floor(parts, scene.exposure)
+        return Reference(rendering, floor, time.perf_counter() - start, parts)
+    estimate = _with_bar(label, lambda show: _render_full(scene, rendering, show), progress)
     floor = noise_floor(estimate, scene.exposure)
-    return Reference(rendering, floor, estimate.mean, estimate.variance)
+    seconds = time.perf_counter() - start
+    return Reference(rendering, floor, seconds, (estimate.mean,), estimate.variance)
 
 
-def _render_with_bar(scene: Scene, rendering: Rendering, progress: Progress) -> Estimate:
+def render_part(scene: Scene, rendering: Rendering, number: int) -> Image:
+    """Return a part of a matched reference, the same in every call."""
+    return matched(
+        scene,
+        rendering.size,
+        rendering.ssaa,
+        effects_of(rendering.effects),
+        samples=rendering.spp,
+        part=rendering.seed * ties.PARTS + number,
+    )
+
+
+def _render_parts(scene: Scene, rendering: Rendering, progress: Progress) -> tuple[Image, ...]:
+    parts = []
+    for number in range(rendering.parts):
+        parts.append(render_part(scene, rendering, number))
+        progress(number + 1, rendering.parts)
+    return tuple(parts)
+
+
+def _render_full(scene: Scene, rendering: Rendering, progress: Progress) -> Estimate:
+    spp = max(2, rendering.spp)
+    return render(scene, rendering.size, rendering.ssaa, spp, rendering.seed, progress)
+
+
+def _with_bar(label: str, work: Callable[[Progress], _Result], progress: Progress) -> _Result:
+    """Return what `work` returns, and show its progress on standard error."""
     from rich.console import Console
     from rich.progress import Progress
 
     console = Console(stderr=True)
     # In a file or a pipe, the bar would end in an empty line.
     with Progress(console=console, transient=True, disable=not console.is_terminal) as bar:
-        task = bar.add_task(f"path tracing {rendering.scene}", total=None)
+        task = bar.add_task(label, total=None)
 
         def advance(done: int, count: int) -> None:
             bar.update(task, completed=done, total=count)
             progress(done, count)
 
-        return render(
-            scene,
-            rendering.size,
-            rendering.ssaa,
-            max(2, rendering.spp),
-            rendering.seed,
-            advance,
-        )
+        return work(advance)

@@ -1,18 +1,20 @@
-"""Where references are stored: a folder with one manifest, and two images for each entry.
+"""Where references are stored: a folder with one manifest, and the images of each entry.
 
-The mean is stored in half floats if they can hold it, and its variance in float32, because the
-variance would underflow in half floats. Images are named by their content. So a reference changes
-at the moment in which the manifest is replaced, and a reader finds the old one or the new one.
+A full reference is a mean with its variance. A matched one is a single picture if it is free of
+noise, else all of its independent parts. Pictures are stored in half floats if these can hold them,
+and the variance in float32, because it would underflow in half floats. Images are named by their
+content. So a reference changes at the moment in which the manifest is replaced, and a reader finds
+the old one or the new one.
 """
 
 from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import msgspec
 import numpy as np
@@ -30,13 +32,28 @@ FOLDER = "reference"
 """The folder of a collection that holds its references."""
 MANIFEST = "manifest.json"
 
-_VERSION = 2
+_VERSION = 3
 _LOCK = ".lock"
 
 
-def reference_key(label: str, size: tuple[int, int]) -> str:
-    """Return the name of a reference: `<label>@<w>x<h>`."""
-    return f"{label}@{size[0]}x{size[1]}"
+def reference_key(
+    label: str, size: tuple[int, int], truth: str, left_out: Iterable[str] = ()
+) -> str:
+    """Return the name of a reference, as in `tumblers@256x256.matched-refraction`.
+
+    Parameters
+    ----------
+    label : str
+        The canonical label of the scene.
+    size : (int, int)
+        Width and height in pixels.
+    truth : str
+        MATCHED or FULL.
+    left_out : iterable of str
+        Names of effects that the scene requests and that do not run.
+    """
+    without = "".join(f"-{name.lower()}" for name in left_out)
+    return f"{label}@{size[0]}x{size[1]}.{truth}{without}"
 
 
 class Rendering(Struct, frozen=True, forbid_unknown_fields=True):
@@ -46,12 +63,18 @@ class Rendering(Struct, frozen=True, forbid_unknown_fields=True):
     ----------
     scene : str
         Label, as in `bottles[coverage=0.5]`.
+    truth : str
+        MATCHED or FULL.
+    effects, left_out : list of str
+        Effects that run, and those that the scene requests and that do not run.
     size : (int, int)
         Width and height in pixels.
     ssaa : int
         Side of the sub-pixel grid.
     spp : int
-        Samples for each sub-pixel.
+        Samples for each sub-pixel, of each part.
+    parts : int
+        Independent pictures; one if there is no noise, and for full path tracing.
     seed : int
     tracer : int
         Version of the path tracer, `path_traced.version.TRACER`.
@@ -62,9 +85,13 @@ class Rendering(Struct, frozen=True, forbid_unknown_fields=True):
     """
 
     scene: str
+    truth: Literal["matched", "full"]
+    effects: list[str]
+    left_out: list[str]
     size: tuple[int, int]
     ssaa: int
     spp: int
+    parts: int
     seed: int
     tracer: int
     mitsuba: str
@@ -73,7 +100,7 @@ class Rendering(Struct, frozen=True, forbid_unknown_fields=True):
     @property
     def key(self) -> str:
         """The name of the reference in a manifest."""
-        return reference_key(self.scene, self.size)
+        return reference_key(self.scene, self.size, self.truth, self.left_out)
 
     @property
     def digest(self) -> str:
@@ -89,51 +116,88 @@ class ReferenceInfo(Struct, frozen=True, forbid_unknown_fields=True):
     ----------
     rendering : Rendering
     noise_floor : dict of str to float or None
-        `flip_ldr@67ppd` and `rmse_lin` between the two halves of the samples.
-    mean, variance : StoredImage
-        Files beside the manifest.
+        `flip_ldr@67ppd`, `flip_hdr@67ppd` and `rmse_lin` that the noise alone causes.
+    seconds : float
+        Wall-clock time of the rendering.
+    parts : list of StoredImage
+        Files beside the manifest: the mean, or all parts.
+    variance : StoredImage, optional
+        Of the mean of a full reference.
     """
 
     rendering: Rendering
     noise_floor: dict[str, float | None]
-    mean: StoredImage
-    variance: StoredImage
+    seconds: float
+    parts: list[StoredImage]
+    variance: StoredImage | None = None
+
+    @property
+    def images(self) -> list[StoredImage]:
+        """All files."""
+        return self.parts if self.variance is None else [*self.parts, self.variance]
 
 
 @dataclass(frozen=True, eq=False)
 class Reference:
-    """A path-traced image with its variance.
+    """A traced picture, with what is known of its noise.
 
     Parameters
     ----------
     rendering : Rendering
     noise_floor : dict of str to float or None
-        By metric, between the two halves of the samples.
-    mean, variance : array, shape (h, w, 3), float32
-        Linear radiance, and the variance of that mean.
+        By metric, the error that the noise alone causes.
+    seconds : float
+        Wall-clock time of the rendering.
+    parts : tuple of array, shape (h, w, 3), float32
+        Linear radiance: independent pictures, whose mean is the truth.
+    variance : array, shape (h, w, 3), float32, optional
+        Variance of the mean, of a full reference.
 
     Raises
     ------
     SceneError
-        If the mean is not finite, the variance is not a finite number of at least zero, or an image
+        If a part is not finite, the variance is not a finite number of at least zero, or an image
         has another size.
     """
 
     rendering: Rendering
     noise_floor: dict[str, float | None]
-    mean: Image
-    variance: Image
+    seconds: float
+    parts: tuple[Image, ...]
+    variance: Image | None = None
 
     def __post_init__(self) -> None:
         owner = f"reference {self.rendering.key}"
         width, height = self.rendering.size
-        for name, image in (("mean", self.mean), ("variance", self.variance)):
+        if len(self.parts) != self.rendering.parts:
+            raise SceneError(f"{owner}: it has {len(self.parts)} parts")
+        images = [(_part_name(number, self.parts), p) for number, p in enumerate(self.parts)]
+        if self.variance is not None:
+            images.append(("variance", self.variance))
+        for name, image in images:
             if image.shape != (height, width, 3):
                 raise SceneError(f"{owner}: its {name} is not {width}x{height} pixels")
             if not np.isfinite(image).all():
                 raise SceneError(f"{owner}: its {name} holds NaN or infinity")
-        if (self.variance < 0).any():
+        if self.variance is not None and (self.variance < 0).any():
             raise SceneError(f"{owner}: its variance is negative")
+
+    @property
+    def random(self) -> bool:
+        """Whether the truth has noise."""
+        return len(self.parts) > 1 or (self.variance is not None and bool(self.variance.any()))
+
+    @property
+    def mean(self) -> Image:
+        """The truth: the mean of all parts."""
+        if len(self.parts) == 1:
+            return self.parts[0]
+        total = np.stack(self.parts).sum(axis=0, dtype=np.float64)
+        return np.asarray(total / len(self.parts), dtype=np.float32)
+
+
+def _part_name(number: int, parts: Sequence[object]) -> str:
+    return "mean" if len(parts) == 1 else f"part{number}"
 
 
 def read_manifest(folder: Path) -> dict[str, ReferenceInfo]:
@@ -183,38 +247,46 @@ def _checksum(info: ReferenceInfo) -> str:
     return hashlib.sha256(msgspec.json.encode(info)).hexdigest()[:16]
 
 
-def read(folder: Path, label: str, size: tuple[int, int]) -> Reference | None:
-    """Return the reference of `folder` for a scene and a size, or None if there is none.
+def read(folder: Path, key: str) -> Reference | None:
+    """Return the reference of `folder` with a name, or None if there is none.
 
     Whether it still fits the scene is not checked.
+
+    Parameters
+    ----------
+    folder : Path
+    key : str
+        From `reference_key`.
 
     Raises
     ------
     UsageError
         If the manifest, the entry or an image is damaged, or an image is missing.
     """
-    key = reference_key(label, size)
     entries = _read_entries(folder)
     if key not in entries:
         return None
     info = _parse(key, entries[key])
-    fix = f"restore it, or run 'oitbench reference {label}'"
+    fix = f"restore it, or run 'oitbench reference {key.rpartition('@')[0]}'"
     if info is None:
         raise UsageError(f"{folder / MANIFEST}: entry {key} is damaged; {fix}")
     try:
-        mean, variance = (
-            files.read_exr(stored.verify(folder, image)) for image in (info.mean, info.variance)
+        read = [files.read_exr(stored.verify(folder, image)) for image in info.images]
+        parts, variance = read[: len(info.parts)], read[len(info.parts) :]
+        return Reference(
+            info.rendering, info.noise_floor, info.seconds, tuple(parts), *variance[:1]
         )
-        return Reference(info.rendering, info.noise_floor, mean, variance)
     except (UsageError, SceneError) as error:
         raise UsageError(f"{error}; {fix}") from error
 
 
 def stored_precision(reference: Reference) -> Reference:
     """Return a reference as it would be read after `save`."""
-    if not files.fits_half(reference.mean):
-        return reference
-    return replace(reference, mean=reference.mean.astype(np.float16).astype(np.float32))
+    parts = (
+        part.astype(np.float16).astype(np.float32) if files.fits_half(part) else part
+        for part in reference.parts
+    )
+    return replace(reference, parts=tuple(parts))
 
 
 def save(folder: Path, reference: Reference) -> None:
@@ -227,19 +299,22 @@ def save(folder: Path, reference: Reference) -> None:
     """
     key = reference.rendering.key
     stem = file_name(key)
-    half = files.fits_half(reference.mean)
     with writing(folder):
         folder.mkdir(parents=True, exist_ok=True)
     with locked(folder / _LOCK, wait=True):
         remove_partial_files(folder)
         entries = _read_entries(folder)
-        mean = files.image_channels(reference.mean, half=half)
-        variance = files.image_channels(reference.variance)
+        parts, variance = reference.parts, None
+        images = [files.image_channels(part, half=files.fits_half(part)) for part in parts]
+        kept = [
+            stored.store(folder, f"{stem}.{_part_name(number, parts)}", channels)
+            for number, channels in enumerate(images)
+        ]
+        if reference.variance is not None:
+            channels = files.image_channels(reference.variance)
+            variance = stored.store(folder, f"{stem}.variance", channels)
         info = ReferenceInfo(
-            reference.rendering,
-            reference.noise_floor,
-            stored.store(folder, f"{stem}.mean", mean),
-            stored.store(folder, f"{stem}.variance", variance),
+            reference.rendering, reference.noise_floor, reference.seconds, kept, variance
         )
         entries[key] = _entry(info)
         _write_entries(folder, entries)
@@ -277,10 +352,11 @@ def _write_entries(folder: Path, entries: Mapping[str, Any]) -> None:
 def _remove_unnamed(folder: Path, entries: Mapping[str, Any]) -> None:
     """Remove the images of replaced references, also those that a killed process left."""
     infos = [_parse(key, entry) for key, entry in entries.items()]
-    named = {image.path for info in infos if info for image in (info.mean, info.variance)}
+    named = {image.path for info in infos if info for image in info.images}
     if None in infos:
         return  # The files of a damaged entry are unknown.
     with writing(folder):
-        for path in (*folder.glob("*.mean-*.exr"), *folder.glob("*.variance-*.exr")):
-            if path.name not in named:
-                path.unlink(missing_ok=True)
+        for kind in ("mean", "part?", "variance"):
+            for path in folder.glob(f"*.{kind}-*.exr"):
+                if path.name not in named:
+                    path.unlink(missing_ok=True)

@@ -8,10 +8,13 @@ from pathlib import Path
 
 from msgspec import Struct
 
+from oitbench.effects import effects_of
 from oitbench.errors import UsageError
 from oitbench.path_traced.references import lookup, storage
 from oitbench.path_traced.references.check import check, failure_folder
 from oitbench.path_traced.references.rendering import plan_rendering, render_reference
+from oitbench.path_traced.references.storage import Rendering
+from oitbench.path_traced.references.wanted import Wanted
 from oitbench.path_traced.trace.render import Progress
 from oitbench.places import Places
 from oitbench.plugins import Collection
@@ -29,11 +32,22 @@ class Settings(Struct, frozen=True):
 
 
 class Job(Struct, frozen=True):
-    """One reference to render or to check; `scene` is a canonical label."""
+    """One reference to render or to check.
+
+    `scene` is a canonical label, `truth` MATCHED or FULL, `ssaa` the side of the sub-pixel grid of
+    the pictures to compare, and `left_out` has names of effects that do not run.
+    """
 
     scene: str
     size: tuple[int, int]
     ssaa: int
+    truth: str
+    left_out: tuple[str, ...] = ()
+
+    def wanted(self, scene: Scene) -> Wanted:
+        """Return the reference of `scene`, which has been built, that the job is about."""
+        gone = effects_of(self.left_out)
+        return Wanted(scene, self.scene, self.size, self.ssaa, self.truth, ~gone)
 
 
 class RenderReference(Struct, frozen=True, tag=True):
@@ -59,10 +73,11 @@ class CheckReference(Struct, frozen=True, tag=True):
 
 
 class ReferenceRendered(Struct, frozen=True, tag=True):
-    """The key of the reference, and its noise floor by metric."""
+    """The rendering of the reference, its noise floor by metric, and its wall-clock seconds."""
 
-    key: str
+    rendering: Rendering
     noise_floor: dict[str, float | None]
+    seconds: float
 
 
 class ReferenceChecked(Struct, frozen=True, tag=True):
@@ -116,19 +131,17 @@ def _begin(settings: Settings, on_step: OnStep) -> Callable[[Request], Reply]:
 
 
 def _render(scene: Scene, request: RenderReference, progress: Progress) -> ReferenceRendered:
-    job = request.job
-    rendering = plan_rendering(scene, job.scene, job.size, job.ssaa, request.spp, request.seed)
+    rendering = plan_rendering(request.job.wanted(scene), request.spp, request.seed)
     reference = render_reference(scene, rendering, progress)
     storage.save(_path(request.folder), reference)
-    return ReferenceRendered(rendering.key, reference.noise_floor)
+    return ReferenceRendered(rendering, reference.noise_floor, reference.seconds)
 
 
 def _check(
     scene: Scene, request: CheckReference, folders: list[Path], progress: Progress
 ) -> ReferenceChecked:
-    job = request.job
-    found = lookup.find(scene, job.scene, job.size, job.ssaa, folders)
-    key = storage.reference_key(job.scene, job.size)
+    wanted = request.job.wanted(scene)
+    found, key = lookup.find(wanted, folders), wanted.key
     reference = found.reference
     if reference is None and request.adopts and found.stale is not None:
         reference = found.stale[1]

@@ -7,7 +7,7 @@ import pytest
 
 from oitbench.image.files import Image
 from oitbench.image.metrics import rmse
-from oitbench.measure.ties import PARTS, clear_difference, noise_floor
+from oitbench.image.ties import PARTS, Errors, clear_difference, means_without, noise_floor
 
 NOISE = 0.1
 SHAPE = (32, 32, 3)
@@ -18,6 +18,16 @@ def _metric(image: Image, truth: Image) -> float:
     found = rmse(image, truth)
     assert found is not None
     return found
+
+
+def _difference(one: Image, other: Image, parts: list[Image]) -> float:
+    mean = np.mean(parts, axis=0).astype(np.float32)
+    left = means_without(parts)
+    errors = [
+        Errors(_metric(image, mean), [_metric(image, truth) for truth in left])
+        for image in (one, other)
+    ]
+    return clear_difference(*errors)
 
 
 def _parts(seed: int = 0) -> list[Image]:
@@ -47,7 +57,7 @@ def test_a_difference_below_noise_is_a_tie() -> None:
         one, other = _off(2 * seed, 0.05), _off(2 * seed + 1, 0.05)
         # Equal errors against the truth: any difference is noise of the reference.
         other = TRUTH + (other - TRUTH) * (_metric(one, TRUTH) / _metric(other, TRUTH))
-        ties += clear_difference(one, other, _parts(seed), _metric) == 0
+        ties += _difference(one, other, _parts(seed)) == 0
     assert ties >= 34
 
 
@@ -65,13 +75,13 @@ def test_a_difference_of_three_times_its_noise_is_clear() -> None:
         low, high = (low, scale) if above else (scale, high)
     clear = 0
     for seed in range(40):
-        found_one = clear_difference(worse(high), other, _parts(seed), _metric)
-        assert clear_difference(other, worse(high), _parts(seed), _metric) == -found_one
+        found_one = _difference(worse(high), other, _parts(seed))
+        assert _difference(other, worse(high), _parts(seed)) == -found_one
         assert found_one >= 0
         clear += found_one > 0
     assert clear >= 24
 
 
 def test_without_noise_any_difference_is_clear() -> None:
-    found = clear_difference(_off(1, 0.051), _off(1, 0.05), [TRUTH], _metric)
+    found = _difference(_off(1, 0.051), _off(1, 0.05), [TRUTH])
     assert found == pytest.approx(0.001, rel=0.1)

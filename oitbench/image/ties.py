@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -21,6 +22,30 @@ PARTS = 8
 LEAST_T = 2.36
 """|t| above which a difference is clear: 95 % of Student's distribution with `PARTS` − 1 degrees of
 freedom lie within."""
+
+
+@dataclass(frozen=True)
+class Errors:
+    """The error of an image, and what the parts of the reference tell of its uncertainty.
+
+    Parameters
+    ----------
+    error : float
+        Against the mean of all parts.
+    without : sequence of float
+        Against the mean of all parts but one, for each part; empty if the reference has no noise.
+    """
+
+    error: float
+    without: Sequence[float] = ()
+
+
+def means_without(parts: Sequence[Image]) -> list[Image]:
+    """Return, for each part, the mean of all others; nothing for a single part."""
+    if len(parts) == 1:
+        return []
+    total = np.stack(parts).sum(axis=0, dtype=np.float64)
+    return [((total - part) / (len(parts) - 1)).astype(np.float32) for part in parts]
 
 
 def noise_floor(parts: Sequence[Image], metric: Metric) -> float:
@@ -44,31 +69,22 @@ def noise_floor(parts: Sequence[Image], metric: Metric) -> float:
     return metric(moved.astype(np.float32), mean.astype(np.float32))
 
 
-def clear_difference(one: Image, other: Image, parts: Sequence[Image], metric: Metric) -> float:
-    """Return by how much the error of `one` clearly exceeds that of `other`; 0 for a tie.
+def clear_difference(one: Errors, other: Errors) -> float:
+    """Return by how much `one` clearly exceeds `other`; 0 for a tie.
 
     The standard error of the paired difference is estimated by the jackknife: of the differences
     against the means of all parts but one (Efron & Stein 1981). They tie unless |t| > `LEAST_T`.
+    Against a reference that has no noise, any difference is clear.
 
     Parameters
     ----------
-    one, other : array, shape (h, w, 3)
-    parts : sequence of array, shape (h, w, 3)
-        Of a single part, which has no noise, any difference is clear.
-    metric : Metric
+    one, other : Errors
+        Against the same reference.
     """
-    stacked = np.stack(parts).astype(np.float64)
-    count = len(stacked)
-    total = stacked.sum(axis=0)
-
-    def difference(truth: Image) -> float:
-        return metric(one, truth) - metric(other, truth)
-
-    found = difference((total / count).astype(np.float32))
-    if count == 1:
+    found = one.error - other.error
+    count = len(one.without)
+    if count != len(other.without) or count < 2:
         return found
-    left = np.array(
-        [difference(((total - part) / (count - 1)).astype(np.float32)) for part in stacked]
-    )
+    left = np.subtract(one.without, other.without)
     error = math.sqrt((count - 1) / count * float(((left - left.mean()) ** 2).sum()))
     return found if abs(found) > LEAST_T * error else 0.0
