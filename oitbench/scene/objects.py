@@ -126,6 +126,10 @@ class Object:
     decal_of : str, optional
         Name of the object in whose planes this one lies. Surfaces that lie exactly in one plane
         are found without it.
+    priority : int
+        Where refracting solids touch or overlap, the one of the highest priority fills the space,
+        and of equal priorities the one that comes first in the scene. Give glass a higher one than
+        the water that it holds, and let the water touch the glass or reach into it.
 
     Raises
     ------
@@ -139,6 +143,7 @@ class Object:
     casts: bool = True
     particles: bool = False
     decal_of: str = ""
+    priority: int = 0
 
     def __post_init__(self) -> None:
         require(self.decal_of != self.name, f"object {self.name}: it is a decal of itself")

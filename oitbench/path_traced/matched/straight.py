@@ -10,7 +10,7 @@ from oitbench.path_traced.matched.environment import OpenEnvironment
 from oitbench.path_traced.matched.medium import SingleScattering
 from oitbench.path_traced.matched.shading import Shading
 from oitbench.path_traced.matched.visibility import FAINT
-from oitbench.path_traced.trace.hits import NO_FACE, Hit, Line
+from oitbench.path_traced.trace.hits import Hit, Line
 from oitbench.path_traced.trace.surfaces import Surfaces
 
 
@@ -80,8 +80,7 @@ class StraightWalk:
         if self._random:
             state = self._drjit.opaque(mitsuba.UInt64, seed)
             rng = mitsuba.PCG32(size=ray.o.shape[1], initstate=state)
-        o, d = mitsuba.Point3f(ray.o), mitsuba.Vector3f(ray.d)
-        line = Line(o, d, mitsuba.Float(0), mitsuba.UInt32(NO_FACE))
+        line = self._surfaces.eye_line(ray.o, ray.d)
         return Sight(line, mitsuba.Color3f(0), mitsuba.Color3f(1), rng)
 
     def _advance(self, sight: Sight, active: Any) -> tuple[Sight, Any]:

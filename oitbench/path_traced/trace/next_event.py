@@ -15,14 +15,14 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from oitbench.path_traced.trace.hits import NO_FACE, Hit, Line
+from oitbench.path_traced.trace.hits import Hit, Line
 from oitbench.path_traced.trace.lights import TracedBeam, TracedEnvironment
 from oitbench.path_traced.trace.medium import TracedMedium
 from oitbench.path_traced.trace.reservoirs import Candidate, Reservoir, Reservoirs
 from oitbench.path_traced.trace.surfaces import Surfaces
 from oitbench.scene import Scene
 
-CrossInterface = Callable[[Line, Hit, Any, Any, Any], tuple[Line, Any, Any, Any]]
+CrossInterface = Callable[[Line, Hit, Any, Any], tuple[Line, Any, Any]]
 """Crosses the boundary of a refracting solid; see `PathTracer`."""
 LEAST_SHARE = 0.1
 """Part of the mean radiance that is added to the weight of a direction, as solids may refract it
@@ -63,7 +63,9 @@ class LightSampler:
         diffuse = self._environment.lights and "albedo" in self._surfaces.has
         beam = bool(self._beams)
         needed = (beam, beam and self._medium is not None, diffuse)
-        found = [Reservoir.empty(self._mitsuba, self._drjit) if one else None for one in needed]
+        mitsuba, drjit = self._mitsuba, self._drjit
+        line = self._surfaces.eye_line(mitsuba.Point3f(0), mitsuba.Vector3f(0, 0, 1))
+        found = [Reservoir.empty(mitsuba, drjit, line) if one else None for one in needed]
         return Reservoirs(*found)
 
     def beam_light(self, line: Line, hit: Hit, active: Any) -> Any:
@@ -144,7 +146,8 @@ class LightSampler:
             part, rng = medium.transmittance(line.o, line.d, near, at, rng, crosses)
             part *= medium.extinction(p, crosses) * medium.phase(drjit.dot(toward, line.d)) / chance
             value = throughput * medium.albedo * arriving * part
-            leaving = Line(p, toward, mitsuba.Float(0), mitsuba.UInt32(NO_FACE))
+            part *= self._surfaces.passing(line, at, crosses)
+            leaving = line.scattered(p, toward)
             found = Candidate(leaving, distance, value, drjit.mean(value))
             assert selected is not None
             selected, rng = selected.add(mitsuba, drjit, found, rng, crosses)
@@ -194,14 +197,17 @@ class LightSampler:
         refracts = "refracts" in self._surfaces.has
 
         def step(
-            line: Line, throughput: Any, since: Any, bounces: Any, rng: Any, active: Any
+            line: Line, throughput: Any, bounces: Any, rng: Any, active: Any
         ) -> tuple[Any, ...]:
             hit, start = self._surfaces.intersect(line, active), line
+            end = hit.at
             collides = mitsuba.Bool(False)
             if medium is not None:
                 at, rng = medium.sample_free_path(line.o, line.d, line.along, hit.at, rng, active)
                 collides = active & (at < drjit.inf)
                 p = line.o + line.d * drjit.select(collides, at, 0)
+                end = drjit.minimum(at, hit.at)
+            throughput = throughput * self._surfaces.passing(line, end, active)
             here = active & ~collides
             solid = here & hit.fresh & hit.layer.refracts
             film = here & hit.fresh & ~hit.layer.refracts
@@ -209,22 +215,20 @@ class LightSampler:
             throughput = drjit.select(film, tinted, throughput)
             line = line.onward(drjit, hit, here & hit.valid & ~solid)
             if refracts:
-                since = since + drjit.select(here & ~solid, hit.at - start.along, 0)
-                line, factor, since, rng = cross(line, hit, since, rng, solid)
+                line, factor, rng = cross(line, hit, rng, solid)
                 throughput = drjit.select(solid, throughput * factor, throughput)
             if medium is not None:
                 two = mitsuba.Point2f(rng.next_float32(collides), rng.next_float32(collides))
                 out = medium.sample_phase(start.d, two)
-                scattered = Line(p, out, mitsuba.Float(0), mitsuba.UInt32(NO_FACE))
-                line = scattered.where(drjit, collides, line)
+                line = start.scattered(p, out).where(drjit, collides, line)
                 throughput = drjit.select(collides, throughput * medium.albedo, throughput)
             bounces = bounces + drjit.select(solid | collides, mitsuba.UInt32(1), 0)
             active = active & (collides | hit.valid) & drjit.any(throughput > 0)
-            return line, throughput, since, bounces, rng, active & (bounces < MAX_BOUNCES)
+            return line, throughput, bounces, rng, active & (bounces < MAX_BOUNCES)
 
-        start = mitsuba.Color3f(1), mitsuba.Float(0), mitsuba.UInt32(0), rng, selected.total > 0
-        state = drjit.while_loop((selected.line, *start), lambda *v: v[5], step)
-        line, throughput, _, bounces = state[:4]
+        start = mitsuba.Color3f(1), mitsuba.UInt32(0), rng, selected.total > 0
+        state = drjit.while_loop((selected.line, *start), lambda *v: v[4], step)
+        line, throughput, bounces = state[:3]
         radiance = self._environment.radiance(line.d)
         found = throughput * selected.value * selected.total * radiance
         return drjit.select((selected.total > 0) & (bounces < MAX_BOUNCES), found, 0)

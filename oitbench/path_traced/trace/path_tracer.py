@@ -22,7 +22,7 @@ from oitbench.path_traced.optics.reflection import (
     sample_spread,
 )
 from oitbench.path_traced.photons.map import CausticMap
-from oitbench.path_traced.trace.hits import NO_FACE, Hit, Line
+from oitbench.path_traced.trace.hits import Hit, Line
 from oitbench.path_traced.trace.lights import TracedEnvironment
 from oitbench.path_traced.trace.medium import TracedMedium
 from oitbench.path_traced.trace.next_event import LightSampler
@@ -62,8 +62,6 @@ class Path:
         Radiance found so far.
     throughput : Color3f
         Part of the light from ahead that reaches the eye.
-    since : Float
-        Meters since the path last crossed the boundary of a solid.
     bounces : UInt32
         How often the path has changed its direction.
     rng : PCG32
@@ -72,7 +70,6 @@ class Path:
     line: Line
     light: Any
     throughput: Any
-    since: Any
     bounces: Any
     rng: Any
 
@@ -99,6 +96,9 @@ class PathTracer:
         self._medium = None
         if scene.medium is not None and scene.medium.extinction > 0:
             self._medium = TracedMedium.build(mitsuba, self._drjit, scene.medium)
+        # Radiance grows by N² inside a solid. The camera measures it as if it were outside.
+        around = 1.0 if surfaces.solids is None else surfaces.solids.index_around()
+        self._basic = around**-2
         self._sampler = LightSampler(
             mitsuba, self._drjit, scene, surfaces, self._environment, self._medium
         )
@@ -107,11 +107,10 @@ class PathTracer:
         """Return the radiance along `ray`."""
         mitsuba, drjit = self._mitsuba, self._drjit
         count = ray.o.shape[1]
-        o, d = mitsuba.Point3f(ray.o), mitsuba.Vector3f(ray.d)
-        line = Line(o, d, mitsuba.Float(0), mitsuba.UInt32(NO_FACE))
+        line = self._surfaces.eye_line(ray.o, ray.d)
         rng = mitsuba.PCG32(size=count, initstate=drjit.opaque(mitsuba.UInt64, seed))
-        color, zero = mitsuba.Color3f, mitsuba.Float(0)
-        path = Path(line, color(0), color(1), zero, mitsuba.UInt32(0), rng)
+        color = mitsuba.Color3f
+        path = Path(line, color(0), color(self._basic), mitsuba.UInt32(0), rng)
         reservoirs = self._sampler.empty() if self._random else None
         state = (path, reservoirs, mitsuba.Bool(True))
         path, reservoirs, _ = drjit.while_loop(state, lambda *v: v[2], self._advance)
@@ -124,7 +123,10 @@ class PathTracer:
         drjit = self._drjit
         hit = self._surfaces.intersect(path.line, active)
         here = active
-        if self._medium is not None:
+        if self._medium is None:
+            passing = self._surfaces.passing(path.line, hit.at, active)
+            path.throughput = path.throughput * passing
+        else:
             path, reservoirs, here = self._scatter_in_medium(path, reservoirs, hit, active)
         missed = here & ~hit.valid
         environment = self._environment.radiance(path.line.d)
@@ -185,8 +187,9 @@ class PathTracer:
         )
         two = mitsuba.Point2f(path.rng.next_float32(collides), path.rng.next_float32(collides))
         d = medium.sample_phase(line.d, two)
-        turned = Line(p, d, mitsuba.Float(0), mitsuba.UInt32(NO_FACE))
-        path.line = turned.where(drjit, collides, line)
+        passing = self._surfaces.passing(line, drjit.minimum(at, hit.at), active)
+        path.throughput = path.throughput * passing
+        path.line = line.scattered(p, d).where(drjit, collides, line)
         path.throughput = drjit.select(collides, path.throughput * medium.albedo, path.throughput)
         path.bounces = path.bounces + drjit.select(collides, mitsuba.UInt32(1), 0)
         return path, reservoirs, active & ~collides
@@ -228,36 +231,19 @@ class PathTracer:
         path.line = path.line.turned(drjit, hit, d, film & ~goes)
         path.bounces = path.bounces + drjit.select(film & ~goes, mitsuba.UInt32(1), 0)
         path.throughput = drjit.select(film, path.throughput * weight, path.throughput)
-        path.since = path.since + drjit.select(film, hit.at - line.along, 0)
         path.rng = rng
         if "refracts" in has:
             solid = struck & layer.refracts
-            path.line, factor, path.since, path.rng = self._cross(
-                path.line, hit, path.since, path.rng, solid
-            )
+            path.line, factor, path.rng = self._cross(path.line, hit, path.rng, solid)
             path.throughput = drjit.select(solid, path.throughput * factor, path.throughput)
             path.bounces = path.bounces + drjit.select(solid, mitsuba.UInt32(1), 0)
         return path
 
-    def _cross(
-        self, line: Line, hit: Hit, since: Any, rng: Any, active: Any
-    ) -> tuple[Line, Any, Any, Any]:
+    def _cross(self, line: Line, hit: Hit, rng: Any, active: Any) -> tuple[Line, Any, Any]:
         """Refract or reflect a line at the boundary of a solid.
 
-        Parameters
-        ----------
-        line, hit
-        since : Float
-            Meters since the path last crossed the boundary of a solid.
-        rng : PCG32
-        active : Bool
-
-        Returns
-        -------
-        line : Line
-        factor : Color3f
-            Factor on the radiance from beyond, with the absorption inside the solid.
-        since, rng
+        Return the new line, the factor on the radiance from beyond, and the generator of random
+        numbers.
         """
         drjit, mitsuba, layer = self._drjit, self._mitsuba, hit.layer
         one, missing = rng.next_float32(active), rng.next_float32(active)
@@ -277,12 +263,9 @@ class PathTracer:
         out = drjit.dot(d, geometric)
         wrong = ((out > 0) ^ hit.outside) ^ passed
         d = drjit.select(wrong, d - 2 * out * geometric, d)
-        absorbed = drjit.exp(-layer.absorption * (since + hit.at - line.along))
-        factor = drjit.select(hit.outside, mitsuba.Color3f(1), absorbed)
         there = missing < layer.coverage
         kept = 1 - layer.albedo * drjit.select(hit.outside, mitsuba.Float(1), 0)
-        factor = factor * drjit.select(there, weight, 1)
+        factor = mitsuba.Color3f(drjit.select(there, weight, 1))
         factor = drjit.select(there & passed, factor * kept, factor)
         onward = line.onward(drjit, hit, active & ~there)
-        turned = onward.turned(drjit, hit, d, active & there)
-        return turned, factor, drjit.select(active, 0, since), rng
+        return onward.turned(drjit, hit, d, active & there, passed), factor, rng

@@ -54,11 +54,9 @@ class Reservoir:
     total: Any
 
     @classmethod
-    def empty(cls, mitsuba: Any, drjit: Any) -> Reservoir:
-        """Return a reservoir without candidates."""
-        zero, color = mitsuba.Float(0), mitsuba.Color3f(0)
-        line = Line(mitsuba.Point3f(0), mitsuba.Vector3f(0, 0, 1), zero, mitsuba.UInt32(0))
-        return cls(line, mitsuba.Float(drjit.inf), color, zero)
+    def empty(cls, mitsuba: Any, drjit: Any, line: Line) -> Reservoir:
+        """Return a reservoir without candidates, with any `line`."""
+        return cls(line, mitsuba.Float(drjit.inf), mitsuba.Color3f(0), mitsuba.Float(0))
 
     def add(
         self, mitsuba: Any, drjit: Any, candidate: Candidate, rng: Any, active: Any
