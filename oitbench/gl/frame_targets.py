@@ -98,7 +98,9 @@ def choose(frame: Frame, method: Method, name: str) -> FrameTarget:
     lacking = _lacking(frame, method, name)
     if not lacking:
         if name in _NEEDS:
-            raise UsageError(f"target {name}: {frame.scene.scene.name} has no such map as it is shaded")
+            raise UsageError(
+                f"target {name}: {frame.scene.scene.name} has no such map as it is shaded"
+            )
         raise UsageError(f"{unknown('target', name, found)} (all: {', '.join(sorted(found))})")
     wanted = " or ".join(names(lacking))
     if not lacking & frame.scene.scene.effects:
