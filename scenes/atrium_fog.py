@@ -8,6 +8,8 @@ detail : float
     Factor on the number of triangles.
 extinction : float
     Extinction coefficient σ of the fog, m⁻¹.
+near : float
+    Distance of the near plane from the camera, m. The fog begins at the camera.
 
 Surfaces glow as they would under an overcast sky, about as brightly as the sky itself. The fog
 scatters equally to all sides, so that it receives nearly the same light from all of them. Its
@@ -46,6 +48,7 @@ from oitbench.scene import (
 )
 
 quick = False
+near = 0.1
 parameters = {
     "detail": DETAIL,
     "extinction": Parameter(

@@ -12,6 +12,8 @@ extinction : float
     Extinction coefficient of the fog where its density is one, m⁻¹.
 collimation : float
     Collimation of the fog, in [0, 1]; 1 for no blur.
+near : float
+    Distance of the near plane from the camera, m. The fog begins at the camera.
 
 The fog thickens with distance and towards the ground. There is little of it in front of the woman.
 The man stands deeper in it under a lamp, and the houses at the end dissolve. Two lamps cast beams,
@@ -58,6 +60,7 @@ from oitbench.scene import (
 )
 
 quick = False
+near = 0.1
 parameters = {
     "detail": DETAIL,
     "seed": Parameter(1, low=0, help="seed of the lit windows and of the leaves"),

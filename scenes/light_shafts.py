@@ -8,6 +8,8 @@ detail : float
     Factor on the number of triangles.
 extinction : float
     Extinction coefficient of the fog where its density is one, m⁻¹.
+near : float
+    Distance of the near plane from the camera, m. The fog begins at the camera.
 
 The density of the fog is a grid of values, higher near the floor and in slow waves. The fog
 scatters forward, towards the camera. Piers and window bars cut the light into shafts. Stained glass
@@ -43,6 +45,7 @@ from oitbench.scene import (
 )
 
 quick = False
+near = 0.1
 parameters = {
     "detail": DETAIL,
     "extinction": Parameter(

@@ -14,6 +14,9 @@ seed : int
 cube : str
     "inside" for a cube that is partly inside the smoke, "above" for one between the smoke and the
     sun, whose shadow falls through the smoke.
+near : float
+    Distance of the near plane from the camera, m. The ground begins at 4.5 m in the picture, as
+    does the smoke.
 
 The smoke is made of 1,000 particles, one object in random order of submission, so that sorting
 objects does not help and no order is right by chance. Coverage is low and soft, and the number of
@@ -70,6 +73,7 @@ VIEWS = {
     ),
 }
 quick = False
+near = 4.0
 parameters = {
     "detail": PARTICLE_DETAIL,
     "alpha": Parameter(
