@@ -133,8 +133,8 @@ def build(*, name: str, detail: float, seed: int, extinction: float, collimation
         *_ground(detail),
         *_houses(windows),
         *_lamps(detail),
-        Object("woman", _placed(woman(detail), WOMAN, 200), DRESS),
-        Object("man", _placed(man(detail), MAN, 15), COAT),
+        *woman(detail).transformed(_at(WOMAN, 200)).objects("woman", DRESS),
+        *man(detail).transformed(_at(MAN, 15)).objects("man", COAT),
         *_tree(np.random.default_rng([seed, 1]), detail),
     )
     # The box ends inside the houses and the ground, so that no surface coincides with its faces.
@@ -165,9 +165,9 @@ def _density(points: Floats) -> Floats:
     return np.asarray((0.10 + 0.70 * away) * banks * (0.55 + 0.45 * np.exp(-y / 3.0)))
 
 
-def _placed(mesh: Mesh, place: Vector, degrees: float) -> Mesh:
-    """Return `mesh` turned about the y axis and moved to `place`."""
-    return transform(mesh, translation(place) @ rotation((0, 1, 0), math.radians(degrees)))
+def _at(place: Vector, degrees: float) -> Floats:
+    """Return the (4, 4) matrix that turns about the y axis and moves to `place`."""
+    return np.asarray(translation(place) @ rotation((0, 1, 0), math.radians(degrees)))
 
 
 def _ground(detail: float) -> tuple[Object, ...]:
@@ -245,7 +245,7 @@ def _lamps(detail: float) -> tuple[Object, ...]:
         fineness = detail / (1 + 0.5 * index)
         turn = 0 if side < 0 else 180
         foot = (4.0 * side, CURB, z)
-        posts.append(_placed(lamp_post(LAMP_HEIGHT, ARM, fineness), foot, turn))
+        posts.append(transform(lamp_post(LAMP_HEIGHT, ARM, fineness), _at(foot, turn)))
         x, y, z = _bulb(side, z)
         bulbs.append(globe((x, y, z), BULB, fineness))
     return (

@@ -157,7 +157,7 @@ def _furniture(detail: float) -> tuple[Object, ...]:
     stand = [(x, 0.0, z) for x, z in COLUMNS]
     x, y, z = STATUE
     turn = rotation((0, 1, 0), math.radians(35))
-    statue = transform(woman(detail), translation((x, y + PEDESTAL, z)) @ turn)
+    statue = transform(woman(detail).whole(), translation((x, y + PEDESTAL, z)) @ turn)
     pedestal = merge(
         [
             slab((x - 0.42, 0, z - 0.42), (x + 0.42, 0.12, z + 0.42)),
