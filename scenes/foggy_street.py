@@ -16,8 +16,8 @@ near : float
     Distance of the near plane from the camera, m. The fog begins at the camera.
 
 The fog thickens with distance and towards the ground. There is little of it in front of the woman.
-The man stands deeper in it under a lamp, and the houses at the end dissolve. Two lamps cast beams,
-in which people, lamp shades and the leaves of a tree cast shadows through the fog.
+The man is deeper in it, and the houses at the end dissolve. Two lamps cast beams, in which people,
+lamp shades and the leaves of a tree cast shadows through the fog.
 """
 
 from __future__ import annotations
@@ -86,6 +86,8 @@ STORY, WINDOW_PITCH = 2.9, 2.3
 LIT = 0.38  # fraction of the windows that are lit
 
 NIGHT: RGB = (0.010, 0.015, 0.028)
+# Radiance that arrives in the fog from walls and other fog: the mean of a path-traced picture.
+AROUND: RGB = (0.177, 0.137, 0.084)
 BULB_LIGHT = Material(emission=(14.0, 10.5, 6.0))
 WARM = Material(emission=(1.3, 0.80, 0.30))
 COOL = Material(emission=(0.50, 0.68, 0.75))
@@ -145,6 +147,7 @@ def build(*, name: str, detail: float, seed: int, extinction: float, collimation
         high=high,
         albedo=(0.90, 0.90, 0.90),
         anisotropy=0.4,
+        ambient=AROUND,
         collimation=collimation,
         density=sample_density(_density, low, high, (16, 16, 96)),
     )
@@ -246,8 +249,7 @@ def _lamps(detail: float) -> tuple[Object, ...]:
         turn = 0 if side < 0 else 180
         foot = (4.0 * side, CURB, z)
         posts.append(transform(lamp_post(LAMP_HEIGHT, ARM, fineness), _at(foot, turn)))
-        x, y, z = _bulb(side, z)
-        bulbs.append(globe((x, y, z), BULB, fineness))
+        bulbs.append(globe(_bulb(side, z), BULB, fineness))
     return (
         Object("lamp posts", merge(posts), IRON),
         Object("bulbs", merge(bulbs), BULB_LIGHT, casts=False),
@@ -264,10 +266,9 @@ def _beams() -> tuple[SpotLight, ...]:
     lights = []
     for side, z in _lamp_places()[:2]:
         x, y, _ = _bulb(side, z)
-        below = y - BULB - 0.03
         lights.append(
             SpotLight(
-                position=(x, below, z),
+                position=(x, y - BULB - 0.03, z),
                 target=(x - 0.45 * side, 0.0, z),
                 intensity=(150.0, 118.0, 75.0),
                 angle=math.radians(145),

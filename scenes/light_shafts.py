@@ -69,6 +69,8 @@ PANES: dict[str, tuple[RGB, float, float]] = {
 }
 SUN = DirectionalLight(direction=(-0.68, -0.46, 0.55), irradiance=(20.0, 17.4, 13.5))
 SKY: RGB = (0.018, 0.022, 0.030)
+# Radiance that arrives in the fog from walls and other fog: the mean of a path-traced picture.
+AROUND: RGB = (0.045, 0.022, 0.014)
 STATUE: Vector = (0.6, 0.0, -4.8)
 PEDESTAL = 0.6
 COLUMNS = ((-2.6, -4.5), (-2.6, -7.5), (-2.6, -10.5))  # x and z
@@ -89,6 +91,7 @@ def build(*, name: str, detail: float, extinction: float) -> Scene:
         high=high,
         albedo=(0.92, 0.92, 0.92),
         anisotropy=0.5,
+        ambient=AROUND,
         density=sample_density(_density, low, high, (32, 24, 60)),
     )
     return Scene(
@@ -96,7 +99,7 @@ def build(*, name: str, detail: float, extinction: float) -> Scene:
         camera=Camera(position=(-1.7, 1.7, 2.4), target=(0.5, 2.35, -7.0), fov_y=math.radians(56)),
         objects=(*_hall(detail), *_furniture(detail), *_stained_glass()),
         lights=(SUN, EnvironmentLight(SKY)),
-        exposure=0.5,
+        exposure=1.0,
         medium=fog,
     )
 

@@ -230,6 +230,19 @@ def test_the_camera_is_in_the_fog_and_no_surface_coincides_with_a_face_of_its_bo
 
 
 @pytest.mark.parametrize("case", CASES)
+def test_fog_has_an_ambient_radiance_of_its_own_from_the_warm_surfaces_around(case: str) -> None:
+    scene = small(case)
+    if scene.medium is None:
+        return
+    assert scene.medium.ambient is not None
+    assert scene.environment is not None
+    red, green, blue = scene.medium.ambient
+    assert red > green > blue
+    sky = scene.environment.texels.mean(axis=(0, 1))
+    assert red / blue > 1.1 * sky[0] / sky[2]
+
+
+@pytest.mark.parametrize("case", CASES)
 def test_the_extinction_of_the_fog_is_a_parameter(case: str) -> None:
     if small(case).medium is None:
         return
