@@ -207,7 +207,7 @@ def test_reference_loses_faulty_scenes_only(faulty: Path, tmp_path: Path) -> Non
     for name, reason in REASONS.items():
         (line,) = [line for line in lines if f" build_{name}: " in line]
         assert reason in line
-    assert any("huge: needs more than 2 GiB" in line for line in lines)
+    assert any("huge: needs more than 2 GiB" in line for line in lines), lines
     assert storage.read_manifest(tmp_path).keys() == {"fine@8x8.full"}
     assert answer.out.startswith("rendered ")
     assert spawn("reference", "fine", *limits, *place).code == 0

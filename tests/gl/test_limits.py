@@ -174,7 +174,7 @@ TOO_MUCH: list[tuple[Scene, str, str]] = [
     ),
     (
         lit(*[DirectionalLight((0, -1, 0))] * 500),
-        "a scene of 500 directional and spot lights: 72288 exceeds GL_MAX_UNIFORM_BLOCK_SIZE",
+        "a scene of 500 directional and spot lights: 72160 exceeds GL_MAX_UNIFORM_BLOCK_SIZE",
         "GL_MAX_UNIFORM_BLOCK_SIZE",
     ),
     (

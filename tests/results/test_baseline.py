@@ -88,7 +88,7 @@ def test_skipped_cells_may_be_in_a_baseline(tmp_path: Path) -> None:
 
 
 def empty(content: str) -> str:
-    return json.dumps({"cells": {}, "format": 3, "renderer": "softly"})
+    return json.dumps({"cells": {}, "format": 4, "renderer": "softly"})
 
 
 def without_metrics(content: str) -> str:

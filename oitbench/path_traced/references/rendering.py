@@ -37,7 +37,7 @@ DEFAULT_SPP = 64
 
 MATCHED_RAYS = {
     Effect.VOLUME: 8,
-    Effect.AMBIENT_OCCLUSION: 32,
+    Effect.AMBIENT_OCCLUSION: 16,
     Effect.DIFFUSION: 16,
     Effect.CAUSTICS: 4,
 }
