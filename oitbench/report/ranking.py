@@ -14,7 +14,7 @@ EXPLANATION = (
     "Each scene has one ranking truth: exact compositing if all effects that it requests are "
     "compositing or shared shading, else matched tracing. Two methods tie unless a jackknife of "
     "their paired difference over the eight parts of the reference gives "
-    f"|t| > {LEAST_T:g}; without noise, any difference counts."
+    f"|t| > {LEAST_T:g}; without noise, any difference counts. HDR-FLIP has no such test."
 )
 """How methods are ranked, in words."""
 

@@ -131,10 +131,11 @@ class Scores(_Typed, frozen=True):
     """Metrics against one truth; null where a metric has no finite value.
 
     `noise_floor` holds the metrics that the noise of the truth alone causes, and `reference` how a
-    traced truth was rendered. `jackknife` has, for a truth with noise in several parts, the FLIP
-    metrics against the mean of all parts but each one. `transparent` and `opaque` are the means of
-    FLIP over pixels with a transparent fragment and over the others; null if there are none.
-    `reason` says why there are no metrics, and `message` is a remark on the truth for readers.
+    traced truth was rendered. `jackknife` has, for a truth with noise in several parts, the FLIP of
+    the displayed image against the mean of all parts but each one. `transparent` and `opaque` are
+    the means of FLIP over pixels with a transparent fragment and over the others; null if there are
+    none. `reason` says why there are no metrics, and `message` is a remark on the truth for
+    readers.
     """
 
     metrics: dict[str, float | None] = {}
