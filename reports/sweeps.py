@@ -1,9 +1,10 @@
 """Error over the value of one numeric parameter, of a scene or of a method.
 
 A curve joins cells that differ in that parameter alone; it needs three values. The truth is the one
-that ranks methods under the effects of the cells: exact compositing, or path tracing if a volume,
-refraction or diffusion runs. A dotted line marks the default. `python -m tests.benchmarks.sweeps`
-runs the sweeps of the near plane and of the parameters of phenomenological transparency.
+that ranks methods under the effects of the cells: exact compositing, or matched tracing if a
+volume, refraction or diffusion is requested. A dotted line marks the default. `python -m
+tests.benchmarks.sweeps` runs the sweeps of the near plane and of the parameters of phenomenological
+transparency.
 """
 
 from __future__ import annotations
@@ -28,7 +29,8 @@ from oitbench.report import (
 )
 from oitbench.report.artifacts import Row
 from oitbench.report.cells import largest_noise_floor
-from oitbench.results.schema import EXACT, PATH_TRACED, TRUTHS, Record
+from oitbench.results.schema import Record
+from oitbench.truths import TRUTHS
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -39,7 +41,6 @@ title = "Sweeps of parameters"
 order = 36
 
 _LEAST_VALUES = 3
-_NOT_COMPOSITED = {"REFRACTION", "DIFFUSION", "VOLUME"}
 _ACROSS = 3
 # Inches of the axes of one sweep with their labels.
 _WIDTH, _HEIGHT = 3.13, 2.7
@@ -73,7 +74,7 @@ class Curve:
     @property
     def truth(self) -> str:
         """The truth that ranks methods under the effects of these cells."""
-        return PATH_TRACED if _NOT_COMPOSITED & set(self.cells[0].requested_effects) else EXACT
+        return self.cells[0].ranking_truth
 
     def errors(self, metric: str) -> list[float]:
         """Return the error of each cell; NaN if it has none."""
@@ -213,7 +214,7 @@ def _draw(axes: Axes, context: ReportContext, axis: Axis, curves: Sequence[Curve
         axes.axvline(default, color=figures.QUIET, linewidth=0.9, linestyle=":")
     errors = [error for curve in curves for error in curve.errors(context.flip)]
     known = [error for error in errors if math.isfinite(error)]
-    floor = largest_noise_floor(first.cells, context.flip) if first.truth == PATH_TRACED else None
+    floor = largest_noise_floor(first.cells, first.truth, context.flip)
     if floor:
         figures.add_band(axes, min(known), min(known) + floor, "ties", at_top=True)
     axes.set_ylim(0, _ROOM * max(known) or 1)

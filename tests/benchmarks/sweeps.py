@@ -6,7 +6,7 @@
 all. Equation 5 of McGuire & Mara 2017 weighs layers by window depth, which depends on the near
 plane. Its sweep goes up to the near plane of each scene, just in front of the content, and compares
 the equation with the weight of the authors' engine, under the effects that exact compositing draws.
-The others vary each parameter in a scene where it acts, against path tracing.
+The others vary each parameter in a scene where it acts, against matched tracing.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ from dataclasses import dataclass
 import oitbench
 from oitbench.cli.options import parse_size
 from oitbench.method.ablation import REQUESTED
+from oitbench.truths import EXACT, MATCHED
 
 COMPOSITING = "-refraction,-diffusion,-volume"
 
@@ -62,10 +63,11 @@ def main() -> None:
     options = parser.parse_args()
     for name in options.names or SWEEPS:
         sweep = SWEEPS[name]
-        preset = "guard" if sweep.effects == COMPOSITING else "quick"
+        truth = EXACT if sweep.effects == COMPOSITING else MATCHED
         summary = oitbench.run(
-            sweep.scenes, sweep.methods, preset, options.size, options.out, effects=[sweep.effects]
-        )
+            sweep.scenes, sweep.methods, "guard", options.size, options.out,
+            effects=[sweep.effects], truths=[truth],
+        )  # fmt: skip
         print(f"{name}: {summary}", flush=True)
     print(f"next: oitbench report {options.out}")
 

@@ -70,7 +70,7 @@ def test_the_truth_ranks_the_effects_of_the_cells(tmp_path: Path) -> None:
     ]
     _, rows = swept(tmp_path, *cells)
     found = dict(zip(rows["scene"], rows["truth"], strict=True))
-    assert found == {"panes": "exact compositing", "glass": "path tracing"}
+    assert found == {"panes": "exact compositing", "glass": "matched tracing"}
 
 
 def test_texts_sizes_and_two_values_are_no_sweep(tmp_path: Path) -> None:
