@@ -31,7 +31,6 @@ from oitbench.report.artifacts import Row, Value
 from oitbench.report.cells import effect_label, effect_labels, most_complete
 from oitbench.report.effect_costs import EffectCost, SavedTime, effect_costs
 from oitbench.results.records import Panel
-from oitbench.results.schema import WHOLE
 from oitbench.results.table import MEBIBYTE, MEGABYTE
 
 if TYPE_CHECKING:
@@ -187,7 +186,7 @@ def _rows(panel: Panel, costs: Sequence[EffectCost], flip: str) -> Iterator[Row]
             cost.memory / MEBIBYTE,
             cost.traffic / MEGABYTE,
             ablation.complete.metric(ablation.complete.ranking_truth, flip),
-            ablation.reduced.metric(WHOLE, flip),
+            ablation.reduced.metric(ablation.reduced.whole_truth, flip),
             cost.gain,
             ablation.complete.ranking_truth,
             cost.noise_floor,

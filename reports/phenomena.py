@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from oitbench.report import Artifact, Figure, Note, ReportContext, figures, plates
 from oitbench.report.cells import effect_label, effect_labels, most_complete
 from oitbench.results.records import Panel
-from oitbench.results.schema import WHOLE, Record
+from oitbench.results.schema import Record
 from oitbench.truths import MATCHED, TRACED, TRUTHS
 
 title = "Phenomena"
@@ -76,7 +76,7 @@ def _ablations(context: ReportContext, panel: Panel, complete: Record) -> Artifa
     for ablation in panel.ablations:
         if ablation.complete is complete:
             named = effect_labels(ablation.named)
-            cells[f"without {named}"] = (ablation.reduced, WHOLE)
+            cells[f"without {named}"] = (ablation.reduced, ablation.reduced.whole_truth)
             if ablation.implied:
                 implied = _joined(ablation.implied)
                 dependent.append(f"Leaving out {named} also leaves out {implied}.")

@@ -1,10 +1,9 @@
-"""Error over the value of one numeric parameter, of a scene or of a method.
+"""Error over the value of one numeric parameter, of a scene, a method or the shared shading.
 
 A curve joins cells that differ in that parameter alone; it needs three values. The truth is the one
-that ranks methods under the effects of the cells: exact compositing, or matched tracing if a
-volume, refraction or diffusion is requested. A dotted line marks the default. `python -m
-tests.benchmarks.sweeps` runs the sweeps of the near plane and of the parameters of phenomenological
-transparency.
+that ranks methods under the effects of the cells. A dotted line marks the default.
+`python -m tests.benchmarks.sweeps` runs the sweeps of the near plane and of the parameters of
+phenomenological transparency.
 """
 
 from __future__ import annotations
@@ -30,6 +29,7 @@ from oitbench.report import (
 from oitbench.report.artifacts import Row
 from oitbench.report.cells import largest_noise_floor
 from oitbench.results.schema import Record
+from oitbench.shading import PARAMETERS as SHADING
 from oitbench.truths import TRUTHS
 
 if TYPE_CHECKING:
@@ -52,7 +52,7 @@ _ROOM = 1.15
 
 @dataclass(frozen=True)
 class Axis:
-    """The parameter that a sweep varies: of a scene or of a method, by its name."""
+    """The parameter that a sweep varies: of a scene, a method or the shading, by its name."""
 
     owner: str
     key: str
@@ -75,6 +75,13 @@ class Curve:
     def truth(self) -> str:
         """The truth that ranks methods under the effects of these cells."""
         return self.cells[0].ranking_truth
+
+    @property
+    def text(self) -> str:
+        """The method, and the settings of shading that are not the defaults, in several lines."""
+        shading = self.labels["shading"]
+        text = self.labels["method"] + ("" if shading == "shading" else f"\n{shading}")
+        return text.replace("[", "\n[")
 
     def errors(self, metric: str) -> list[float]:
         """Return the error of each cell; NaN if it has none."""
@@ -102,7 +109,8 @@ def build(context: ReportContext) -> list[Artifact]:
 
 def _labels(record: Record) -> dict[str, str]:
     """Return the labels of a cell by the owners of their parameters."""
-    return {"scene": record.scene, "method": record.method}
+    shading = f"shading[{record.shading}]" if record.shading else "shading"
+    return {"scene": record.scene, "method": record.method, "shading": shading}
 
 
 def _curves(records: Sequence[Record], collection: Collection) -> list[Curve]:
@@ -147,6 +155,8 @@ def _keys(labels: set[tuple[str, str]]) -> dict[tuple[str, str], list[str]]:
 
 
 def _parameters(collection: Collection, owner: str, name: str) -> Mapping[str, AnyParameter]:
+    if owner == "shading":
+        return SHADING
     try:
         plugins = collection.scenes if owner == "scene" else collection.methods
         return plugins[name].parameters
@@ -207,7 +217,7 @@ def _draw(axes: Axes, context: ReportContext, axis: Axis, curves: Sequence[Curve
             marker=("o", "s", "^", "D", "v")[place % 5],
             markersize=4,
             linewidth=1.2,
-            label=curve.labels["method"],
+            label=curve.text,
         )
     default, first = curves[0].default, curves[0]
     if default is not None:
@@ -231,6 +241,7 @@ def _table(context: ReportContext, curves: Sequence[Curve]) -> Artifact:
         columns.SCENE,
         columns.METHOD,
         Column("effects", "Effects", kind="text"),
+        Column("shading", "Shading", kind="text", help="settings of shared shading"),
         Column("truth", "Truth", kind="text"),
         Column("value", "Value"),
         Column(context.flip, "FLIP", decimals=4, help=f"mean {context.flip} against the truth"),
@@ -249,6 +260,6 @@ def _rows(context: ReportContext, curve: Curve) -> Iterator[Row]:
     errors = curve.errors(context.flip)
     for value, cell, error in zip(curve.values, curve.cells, errors, strict=True):
         yield (
-            curve.axis.key, cell.scene, cell.method, cell.effects, TRUTHS[curve.truth], value,
-            None if math.isnan(error) else error,
+            curve.axis.key, cell.scene, cell.method, cell.effects, cell.shading,
+            TRUTHS[curve.truth], value, None if math.isnan(error) else error,
         )  # fmt: skip

@@ -14,6 +14,9 @@ seed : int
 cube : str
     "inside" for a cube that is partly inside the smoke, "above" for one between the smoke and the
     sun, whose shadow falls through the smoke.
+self_shadow : bool
+    Whether the smoke receives shadows, of itself and of the cube. Figure 16 shows it with and
+    without them.
 
 The smoke is made of 1,000 particles, one object in random order of submission, so that sorting
 objects does not help and no order is right by chance. Coverage is low and soft, and the number of
@@ -81,6 +84,7 @@ parameters = {
         choices=tuple(VIEWS),
         help="partly inside the smoke, or between the smoke and the sun",
     ),
+    "self_shadow": Parameter(True, help="whether the smoke receives shadows"),
 }
 
 PARTICLES = 1000
@@ -94,7 +98,9 @@ GROUND: RGB = (0.24, 0.25, 0.27)
 PAINT: RGB = (0.62, 0.20, 0.07)
 
 
-def build(*, name: str, detail: float, alpha: float, seed: int, cube: str) -> Scene:
+def build(
+    *, name: str, detail: float, alpha: float, seed: int, cube: str, self_shadow: bool
+) -> Scene:
     """Return the ground, the cube and the smoke."""
     view = VIEWS[cube]
     count = copies(PARTICLES, detail)
@@ -104,7 +110,7 @@ def build(*, name: str, detail: float, alpha: float, seed: int, cube: str) -> Sc
     objects = (
         Object("ground", plain, Material(albedo=GROUND, specular=0.0), casts=False),
         Object("cube", box(view.center, view.size), Material(albedo=PAINT, specular=0.0)),
-        Object("smoke", particles, vapor, particles=True),
+        Object("smoke", particles, vapor, particles=True, receives_shadows=self_shadow),
     )
     sun = DirectionalLight(opposite(SUNWARD), SUN)
     return Scene(name, view.camera, objects, lights=(sun, gradient_sky(SKY)))

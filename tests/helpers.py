@@ -23,6 +23,7 @@ from oitbench.method.storage import Target
 from oitbench.plugins import Collection
 from oitbench.scene import BLACK as NOTHING
 from oitbench.scene import WHITE, FragmentLists, Scene
+from oitbench.shading import DEFAULT, ShadingSettings
 from oitbench.stability import suite
 from oitbench.stability.check import Check
 from oitbench.stability.identities import identities
@@ -90,6 +91,7 @@ def opened(
     chosen: Method | str,
     size: tuple[int, int] | None = None,
     effects: Effect | None = None,
+    settings: ShadingSettings = DEFAULT,
     **options: Any,
 ) -> Iterator[Frame]:
     """Yield a frame that has not been rendered yet; it is released afterwards."""
@@ -99,7 +101,7 @@ def opened(
         size = (scene.lists.z.shape[2], scene.lists.z.shape[1])
     running = scene.effects & chosen.shows if effects is None else effects
     with (
-        UploadedScene(device, scene) as uploaded,
+        UploadedScene(device, scene, settings) as uploaded,
         Frame(uploaded, chosen, size, running, **options) as frame,
     ):
         yield frame

@@ -10,7 +10,7 @@ void resolve() {
     vec4 sum = vec4(0.0);
     float passed = 1.0, variance = 0.0, part = jitter();
     for (int k = 0; k < STEPS; ++k) {
-        Slice slice = slice_of(path, k, STEPS, part);
+        Slice slice = slice_of(path, k, STEPS, part, LIGHT_STEPS);
         float weight = depth_weight(slice.coverage, window_depth(inverse_depth_at(slice.z)));
         sum += weight * slice.coverage * vec4(slice.radiance, 1.0);
         passed *= 1.0 - slice.coverage;

@@ -31,14 +31,15 @@ diffusion and refraction. 14 bytes are blended per fragment.
 A medium is marched in one pass over the screen. Slices of its part of the view ray, each with alpha
 = 1 - exp(-extinction * length), t = 0 and the distance of its middle, are summed in registers as
 planes would be in targets, and blended once. Light and density of a slice are those of one point in
-it, L = albedo (mean radiance around + sum over lights of visibility * irradiance * phase function);
-the medium's own attenuation of light on its way from a light is neglected. A slice of optical depth
-u adds u E^2 to the variance D^2 of the blur, so that D does not depend on the number of slices. E =
-f s (1 - c) g / (z + g) is the blur by slopes of one deviation s. Equation 7 grows without bound
-toward the eye, so that the distance of the near plane would decide on the blur of fog. s = 2 k0 /
-(k1 + 2.5 m) makes both equal at z = g = 2.5 m, and is 0.25 by default, as in the path tracer's
-sheets. With weight=optical, surfaces follow this rule too, and count as at most one optical depth:
-planes then blur as much as the fog that they stand for.
+it, L = albedo (ambient radiance + sum over lights of visibility * irradiance * phase function). The
+medium dims light on its way to the slice by exp(-optical depth), in closed form for a constant
+density, else by the midpoint rule of `light_steps` steps. A slice of optical depth u adds u E^2 to
+the variance D^2 of the blur, so that D does not depend on the number of slices. E = f s (1 - c) g /
+(z + g) is the blur by slopes of one deviation s. Equation 7 grows without bound toward the eye, so
+that the distance of the near plane would decide on the blur of fog. s = 2 k0 / (k1 + 2.5 m) makes
+both equal at z = g = 2.5 m, and is 0.25 by default, as in the path tracer's sheets. With
+weight=optical, surfaces follow this rule too, and count as at most one optical depth: planes then
+blur as much as the fog that they stand for.
 
 Particles (`Object.particles`) and the medium can be accumulated for blocks of `subsample` pixels
 per side, in targets of their own. A joint bilateral filter spreads them over the frame before the
@@ -150,6 +151,12 @@ class Phenomenological(oit.Method):
         low=1,
         high=4096,
         help="of the march; 64 give an rms error of 1/255 in a hall of sunbeams, 128 half of it",
+    )
+    light_steps = oit.Parameter(
+        8,
+        low=1,
+        high=32,
+        help="of the march from each slice to a light, if the density of the medium varies",
     )
     precision = oit.Parameter(
         "paper", choices=("paper", "half", "float"), grid=("paper", "half"), help="of all targets"

@@ -1,4 +1,4 @@
-"""`oitbench list`: methods, scenes, effects and reports by name."""
+"""`oitbench list`: methods, scenes, effects, settings of shading and reports by name."""
 
 from __future__ import annotations
 
@@ -15,10 +15,11 @@ from oitbench.cli import options
 from oitbench.effects import REQUESTED_BY
 from oitbench.errors import UsageError, unknown
 from oitbench.parameters import AnyParameter, text
+from oitbench.shading import PARAMETERS
 from oitbench.stability.check import METHOD_SECONDS
 from oitbench.workers import memory
 
-KINDS = ("methods", "scenes", "effects", "reports")
+KINDS = ("methods", "scenes", "effects", "shading", "reports")
 _SINGULAR: dict[str, Kind] = {"methods": "method", "scenes": "scene", "reports": "report"}
 
 
@@ -42,9 +43,10 @@ def _read_kind(ctx: click.Context, parameter: click.Parameter, value: str | None
 )
 @options.collections
 def command(kind: str | None, as_json: bool, measure: bool, collections: tuple[Path, ...]) -> None:
-    """List methods, scenes, effects or reports, with their parameters. Default: all of them.
+    """List methods, scenes, effects, settings of shading or reports, with their parameters.
 
-    `oitbench list methods --measure` prints the table of methods of the README.
+    The default is all of them. `oitbench list methods --measure` prints the table of methods of the
+    README.
     """
     if measure:
         _print_overview(collections, kind)
@@ -86,6 +88,12 @@ def _entries(catalog: Catalog, kind: str) -> list[dict[str, Any]]:
         return [
             {"name": str(effect.name).lower(), "title": f"requested by {reason}"}
             for effect, reason in REQUESTED_BY.items()
+        ]
+    if kind == "shading":
+        return [
+            {"name": name, "title": found["summary"], **found}
+            for name, parameter in PARAMETERS.items()
+            for found in [_parameter(parameter)]
         ]
     single = _SINGULAR[kind]
     return [_facts(single, catalog.entry(single, name)) for name in catalog.names(single)]

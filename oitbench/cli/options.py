@@ -12,6 +12,7 @@ import click
 
 from oitbench.errors import UsageError
 from oitbench.method.ablation import EACH, REQUESTED
+from oitbench.shading import PARAMETERS
 
 Command = TypeVar("Command", bound=Callable[..., Any])
 
@@ -95,6 +96,13 @@ ssaa = click.option(
     default=2,
     show_default=True,
     help="Side of the sub-pixel grid of accuracy images.",
+)
+_SETTINGS = "; ".join(f"{name}: {item.help}" for name, item in PARAMETERS.items())
+shading = click.option(
+    "--shading",
+    multiple=True,
+    metavar="NAME=VALUE,...",
+    help=f"Settings of the shading that all methods share. Repeatable. {_SETTINGS}.",
 )
 _EFFECTS = (
     f"{REQUESTED}: those that the scene requests; all; none; or names to leave out, as in"

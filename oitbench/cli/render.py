@@ -52,6 +52,7 @@ def _read_names(ctx: click.Context, parameter: click.Parameter, value: str | Non
     help="Side of the grid of sub-pixels, which are averaged. Default: 2; 1 with --target.",
 )
 @options.effects
+@options.shading
 @options.timeout(CELL_SECONDS, "Seconds that the picture may take.")
 @options.memory
 @options.collections
@@ -63,6 +64,7 @@ def command(
     size: tuple[int, int],
     ssaa: int | None,
     effects: str,
+    shading: tuple[str, ...],
     timeout: float | None,
     memory_gib: float | None,
     collections: tuple[Path, ...],
@@ -72,7 +74,7 @@ def command(
     from oitbench.matrix import picture
     from oitbench.matrix.targets import LIST, draw
 
-    rest = effects, collections, timeout, memory_gib
+    rest = effects, collections, timeout, memory_gib, shading
     if targets == [LIST]:
         _print_list(draw(scene, method, targets, size, ssaa or 1, *rest))
         return

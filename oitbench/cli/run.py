@@ -42,6 +42,7 @@ _WIDE = 200
 @options.size(None, "Pixels of the image. Default: the preset's.")
 @options.ssaa
 @options.effects_axis
+@options.shading
 @click.option(
     "--truth",
     "truths",
@@ -86,6 +87,7 @@ def command(
     ssaa: int,
     effects: tuple[str, ...],
     truths: tuple[str, ...],
+    shading: tuple[str, ...],
     out: Path,
     force: bool,
     timeout: float | None,
@@ -111,7 +113,7 @@ def command(
 
     matrix = plan_matrix(
         scenes, methods, preset, size, effects, ssaa, out, collections, seed, force,
-        timeout, workers, memory_gib, truths,
+        timeout, workers, memory_gib, truths, shading,
     )  # fmt: skip
     console = Console(stderr=True, highlight=False, soft_wrap=True)
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn())

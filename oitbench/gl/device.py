@@ -21,6 +21,7 @@ from oitbench.method.formats import Format
 
 _COLOR, _TEXTURE_2D, _DEPTH_COMPONENT, _FLOAT = 0x1800, 0x0DE1, 0x1902, 0x1406
 _DEPTH_COMPONENT32F, _TEXTURE_2D_MULTISAMPLE, _DEPTH, _RGBA = 0x8CAC, 0x9100, 0x1801, 0x1908
+_PIXEL_UNPACK_BUFFER, _RED = 0x88EC, 0x1903
 _MAX_VIEWPORT, _LOWER_LEFT, _ZERO_TO_ONE = 0x0D3A, 0x8CA1, 0x935F
 _LIMITS = {
     "GL_MAX_3D_TEXTURE_SIZE": 0x8073,
@@ -42,6 +43,7 @@ _SIGNATURES: dict[str, tuple[Any, ...]] = {
     "glDepthMask": (_BYTE,),
     "glClearBufferfv": (_UINT, _INT, _VOID),
     "glClearBufferuiv": (_UINT, _INT, _VOID),
+    "glBindBuffer": (_UINT, _UINT),
     "glBindTexture": (_UINT, _UINT),
     "glGetTextureImage": (_UINT, _INT, _UINT, _UINT, _INT, _VOID),
     "glCopyImageSubData": (_UINT, _UINT, *[_INT] * 4, _UINT, _UINT, *[_INT] * 7),
@@ -270,6 +272,16 @@ class Device:
             "glTextureSubImage3D",
             *(array.glo, level, *corner, width, height, 1, _RGBA, _FLOAT, data.ctypes.data),
         )
+
+    def write_volume(self, texture: moderngl.Texture3D, numbers: moderngl.Buffer) -> None:
+        """Write a volume of one component from a buffer of single-precision floats."""
+        self.call("glBindBuffer", _PIXEL_UNPACK_BUFFER, numbers.glo)
+        self.call(
+            "glTextureSubImage3D",
+            *(texture.glo, 0, 0, 0, 0, texture.width, texture.height, texture.depth),
+            *(_RED, _FLOAT, None),
+        )
+        self.call("glBindBuffer", _PIXEL_UNPACK_BUFFER, 0)
 
     def copy(
         self,

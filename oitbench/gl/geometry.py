@@ -17,10 +17,15 @@ from oitbench.gl.batches import Batch, IndexOrder, batch_of, part_of
 from oitbench.gl.device import Device
 from oitbench.gl.ownership import Owner
 from oitbench.gl.planes import nearness_of_vertices, with_separate_corners
-from oitbench.gl.surface_textures import MATERIALS_ACROSS, SurfaceTextures, upload_materials
+from oitbench.gl.surface_textures import (
+    MATERIALS_ACROSS,
+    SurfaceTextures,
+    surface_key,
+    upload_surfaces,
+)
 from oitbench.gl.view import view_block
 from oitbench.method.passes import Objects, Order
-from oitbench.scene import BLACK, FragmentLists, Material, Object, Scene, Vector
+from oitbench.scene import BLACK, LEAST_LOBE, FragmentLists, Material, Object, Scene, Vector
 from oitbench.scene.texturing import constants_of, image_key, images_of
 
 VERTEX = np.dtype(
@@ -86,22 +91,23 @@ class Geometry(Owner):
         self._storeys = 1
         self.planes: moderngl.Buffer | None = None
         self._orders: dict[Batch, IndexOrder] = {}
-        materials = {id(item.material): item.material for item in scene.objects}
-        self._numbers = {key: number for number, key in enumerate(materials)}
+        surfaces = {surface_key(item): item for item in scene.objects}
+        self._numbers = {key: number for number, key in enumerate(surfaces)}
         self._images: SurfaceTextures | None = None
         with self.building():
             if self.scene.lists is not None:
                 self._upload_lists(self.scene.lists)
-            self._upload_surfaces(list(materials.values()))
+            self._upload_surfaces(list(surfaces.values()))
             self._upload_triangles()
 
-    def _upload_surfaces(self, materials: list[Material]) -> None:
+    def _upload_surfaces(self, objects: list[Object]) -> None:
+        materials = [item.material for item in objects]
         if any(images_of(material) for material in materials):
             images = SurfaceTextures(self._device, f"scene {self.scene.name}", materials)
             self._images = self.own(images)
             self.textures["surface_textures"] = self._images.array
         if any(_reflects_or_bends(material) for material in materials):
-            self.textures["surface_materials"] = self.own(upload_materials(self._device, materials))
+            self.textures["surface_materials"] = self.own(upload_surfaces(self._device, objects))
 
     def _upload_triangles(self) -> None:
         scene = self.scene
@@ -152,11 +158,12 @@ class Geometry(Owner):
         """Facts about the scene that the surface shader needs at compile time."""
         if self.has_lists:
             return f"#define LISTS {self._storeys}"
-        found: dict[str, int] = {}
+        found: dict[str, float] = {}
         if self._images is not None:
             found |= {"TEXTURED": 1, **self._images.slots.macros}
         if "surface_materials" in self.textures:
             found |= {"DETAILED": 1, "MATERIALS_ACROSS": MATERIALS_ACROSS}
+            found["LEAST_LOBE"] = LEAST_LOBE
         if self.planes is not None:
             found["PLANES"] = 1
         return "\n".join(f"#define {name} {value}" for name, value in found.items())
@@ -188,7 +195,7 @@ class Geometry(Owner):
         vertices["in_layer"] = self._slot(material)
         # A zero normal selects the normal of the triangle.
         vertices["in_normal"] = 0.0 if mesh.normals is None else mesh.normals
-        vertices["in_material"] = self._numbers[id(material)]
+        vertices["in_material"] = self._numbers[surface_key(item)]
         return vertices
 
     def _slot(self, material: Material) -> int:

@@ -16,7 +16,8 @@ import numpy as np
 from oitbench.errors import CapabilityError, SceneError
 from oitbench.gl.device import Device
 from oitbench.gl.ownership import Owner
-from oitbench.scene import Material
+from oitbench.scene import Material, Object
+from oitbench.scene.environment import lobe_number, rough_lobes
 from oitbench.scene.texturing import distinct_images, premultiplied_pyramid
 
 MATERIALS_ACROSS = 1024
@@ -145,21 +146,31 @@ class SurfaceTextures(Owner):
         self.array = array
 
 
-def upload_materials(device: Device, materials: Sequence[Material]) -> moderngl.Texture:
-    """Return a texture with the numbers of all materials that `surface_at` (shading.glsl) reads."""
-    rows = math.ceil(len(materials) / MATERIALS_ACROSS)
-    device.within(f"a scene of {len(materials)} materials", rows, "GL_MAX_TEXTURE_SIZE")
+def surface_key(item: Object) -> Hashable:
+    """Return a key that objects share whose surfaces have the same numbers."""
+    return id(item.material), item.casts, item.receives_shadows
+
+
+def upload_surfaces(device: Device, objects: Sequence[Object]) -> moderngl.Texture:
+    """Return a texture with the numbers that `surface_at` (shading.glsl) reads, of each object."""
+    rows = math.ceil(len(objects) / MATERIALS_ACROSS)
+    device.within(f"a scene of {len(objects)} surfaces", rows, "GL_MAX_TEXTURE_SIZE")
     numbers = np.zeros((rows * MATERIALS_ACROSS, 8), dtype=np.float32)
-    numbers[: len(materials)] = [_row_of(material) for material in materials]
+    lobes = rough_lobes([item.material for item in objects])
+    numbers[: len(objects)] = [_row_of(item, lobes) for item in objects]
     size = (2 * MATERIALS_ACROSS, rows)
     texture = device.context.texture(size, 4, numbers.tobytes(), dtype="f4")
     texture.filter = (moderngl.NEAREST, moderngl.NEAREST)
     return texture
 
 
-def _row_of(material: Material) -> list[float]:
+def _row_of(item: Object, lobes: Sequence[float]) -> list[float]:
+    material = item.material
     index = material.index if material.refracts else 1.0
-    flags = int(material.isotropic) + 2 * int(material.binary_coverage)
+    mapped = item.casts and not material.opaque
+    facts = (material.isotropic, material.binary_coverage, item.receives_shadows, mapped)
+    flags = sum(fact << bit for bit, fact in enumerate(facts))
+    flags += lobe_number(material, lobes) << len(facts)
     return [
         *material.albedo, material.reflectance,
         material.roughness, index, material.collimation, float(flags),

@@ -9,10 +9,11 @@ from oitbench.effects import SHADING, Effect
 from oitbench.gl.device import Device
 from oitbench.gl.geometry import Geometry
 from oitbench.gl.ownership import Owner
-from oitbench.gl.shading.lighting import MAP_SIDE, Lighting
+from oitbench.gl.shading.lighting import Lighting
 from oitbench.gl.shading.occlusion import occludes
 from oitbench.gl.shading.opaque import count_fragments
 from oitbench.scene import Scene
+from oitbench.shading import DEFAULT, ShadingSettings
 
 
 class UploadedScene(Owner):
@@ -22,8 +23,8 @@ class UploadedScene(Owner):
     ----------
     device : Device
     scene : Scene
-    map_side : int
-        Texels along each side of a light's depth maps.
+    settings : ShadingSettings
+        Settings of shared shading.
 
     Attributes
     ----------
@@ -35,10 +36,10 @@ class UploadedScene(Owner):
         The scene cannot be uploaded; see `Geometry`.
     """
 
-    def __init__(self, device: Device, scene: Scene, map_side: int = MAP_SIDE) -> None:
+    def __init__(self, device: Device, scene: Scene, settings: ShadingSettings = DEFAULT) -> None:
         super().__init__()
         self.device, self.scene = device, scene
-        self._map_side = map_side
+        self.settings = settings
         self._lightings: dict[Effect, Lighting] = {}
         self._counts: dict[tuple[tuple[int, int], bool], npt.NDArray[np.int64]] = {}
         with self.building(), device.checked(f"scene {scene.name}"):
@@ -55,7 +56,7 @@ class UploadedScene(Owner):
         shading = effects & SHADING
         if shading not in self._lightings:
             with self.device.checked(f"scene {self.scene.name}"):
-                lighting = Lighting(self.device, self.geometry, shading, self._map_side)
+                lighting = Lighting(self.device, self.geometry, shading, self.settings)
                 self._lightings[shading] = self.own(lighting)
         return self._lightings[shading]
 

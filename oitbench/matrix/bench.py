@@ -219,14 +219,15 @@ class Bench:
         return outcome, reason
 
     def _prepare(self, cell: Cell) -> Stage:
-        """Return the stage of the cell's scene. It is kept while scene and size stay the same."""
-        wanted = (cell.scene, cell.size, cell.ssaa)
+        """Return the stage of the cell's scene, which is kept while its identity stays the same."""
+        wanted = (cell.scene, cell.size, cell.ssaa, cell.shading)
         stage = self._stage
-        if stage is not None and (stage.label, stage.size, stage.ssaa) == wanted:
+        if stage is not None and stage.identity == wanted:
             return stage
         self.leave_scene()
         with self.watch.running("rendering"):
-            uploaded = UploadedScene(self.device, self.identities.scene(cell.scene))
+            scene = self.identities.scene(cell.scene)
+            uploaded = UploadedScene(self.device, scene, cell.settings)
         self._stage = Stage(*wanted, uploaded, self.collection.truth(), self._store)
         return self._stage
 
@@ -247,8 +248,7 @@ class Bench:
             truth = self._traced(stage, kind, chosen)
             scores[kind] = self._score(scorer, kind, truth)
             if kind == MATCHED and isinstance(truth, Truth):
-                running = stage.scene.effects & chosen
-                reason = disagreement(running, exact.truth, truth, stage.scene.exposure)
+                reason = self._disagreement(stage, chosen, exact.truth, truth)
         if stage.scene.effects & ~chosen:
             kind = ranking_truth(stage.scene.effects)
             if kind == EXACT:
@@ -257,6 +257,14 @@ class Bench:
                 whole = self._traced(stage, kind, ~Effect.NONE)
                 scores[WHOLE] = self._score(scorer, WHOLE, whole)
         return scores, reason
+
+    def _disagreement(self, stage: Stage, chosen: Effect, exact: Truth, matched: Truth) -> str:
+        """Return why two truths contradict each other, which all cells of a panel share, or ""."""
+        running = stage.scene.effects & chosen
+        if running not in stage.disagreements:
+            found = disagreement(running, exact, matched, stage.scene.exposure)
+            stage.disagreements[running] = found
+        return stage.disagreements[running]
 
     def _traced(self, stage: Stage, kind: str, chosen: Effect) -> Truth | CapabilityError:
         """Return a traced truth, or why this machine cannot render it."""

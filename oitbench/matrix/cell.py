@@ -10,6 +10,7 @@ from oitbench.effects import Effect
 from oitbench.errors import UsageError, unknown
 from oitbench.method.ablation import REQUESTED, leave_out
 from oitbench.results.schema import CellKey, Record, Status
+from oitbench.shading import ShadingSettings, read_shading
 from oitbench.truths import TRUTHS
 
 
@@ -33,6 +34,8 @@ class Cell(Struct, frozen=True):
         measure how far it depends on them.
     truths : tuple of str
         Keys of the truths to score against; the exact one is always among them.
+    shading : str
+        Settings of shared shading that differ from their defaults, as `ShadingSettings.label`.
     """
 
     scene: str
@@ -43,11 +46,12 @@ class Cell(Struct, frozen=True):
     seed: int = 1
     permutations: int = 4
     truths: tuple[str, ...] = tuple(TRUTHS)
+    shading: str = ""
 
     @property
     def key(self) -> CellKey:
         """The cell's place in a store."""
-        return CellKey(self.scene, self.method, self.size, self.ssaa, self.effects)
+        return CellKey(self.scene, self.method, self.size, self.ssaa, self.effects, self.shading)
 
     def record(self, status: Status, reason: str = "", **fields: Any) -> Record:
         """Return the record of this cell.
@@ -61,8 +65,14 @@ class Cell(Struct, frozen=True):
         name = self.method.partition("[")[0]
         return Record(
             self.scene, self.method, name, self.size, self.ssaa, self.effects, self.seed,
-            self.permutations, list(self.truths), status, reason, **fields,
+            self.permutations, list(self.truths), status, reason,
+            shading=self.shading, **fields,
         )  # fmt: skip
+
+    @property
+    def settings(self) -> ShadingSettings:
+        """The settings of shared shading."""
+        return read_shading(self.shading)
 
 
 def choose_effects(text: str, requested: Effect) -> Effect:

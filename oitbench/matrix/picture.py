@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import tempfile
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -15,6 +15,7 @@ from oitbench.matrix.plan import CELL_SECONDS
 from oitbench.matrix.pool import WorkerProcess
 from oitbench.matrix.worker import DrawPicture, PictureDrawn
 from oitbench.method.ablation import REQUESTED
+from oitbench.shading import read_shading
 from oitbench.workers import memory
 from oitbench.workers.messages import Step
 
@@ -30,6 +31,7 @@ def render(
     collections: Iterable[Path | str] = (),
     timeout: float | None = CELL_SECONDS,
     memory_gib: float | None = None,
+    shading: Sequence[str] = (),
 ) -> tuple[Image, float]:
     """Render `scene` with `method` in a process of its own.
 
@@ -49,6 +51,8 @@ def render(
         Seconds that the picture may take. None: no limit.
     memory_gib : float, optional
         Memory that the process may use, in GiB. Default: 75 % of the machine's.
+    shading : sequence of str
+        Settings of shared shading, NAME=value.
 
     Returns
     -------
@@ -62,6 +66,7 @@ def render(
     OitbenchError
         Something is unknown, out of range, or not available on this machine, or the process ended.
     """
+    settings = read_shading(",".join(shading)).label
     with Catalog(collections) as catalog:
         folders = catalog.places.folders
     with (
@@ -69,7 +74,7 @@ def render(
         WorkerProcess(folders, (), Path(folder), memory.limit(memory_gib, 1)) as worker,
     ):
         file = Path(folder) / "image.npy"
-        request = DrawPicture(scene, method, size, ssaa, effects, os.fsencode(file))
+        request = DrawPicture(scene, method, size, ssaa, effects, os.fsencode(file), settings)
         drawn = worker.ask(request, PictureDrawn, timeout, _DRAWING)
         image: Image = np.load(file)
     return image, drawn.exposure

@@ -13,6 +13,7 @@ from oitbench.effects import Effect
 from oitbench.errors import UsageError, unknown
 from oitbench.matrix.cell import Cell, choose_effects
 from oitbench.method.ablation import EACH, REQUESTED
+from oitbench.shading import parse_shading
 from oitbench.truths import EXACT, TRUTHS
 from oitbench.workers import memory
 
@@ -117,6 +118,7 @@ def plan_matrix(
     workers: int = 1,
     memory_gib: float | None = None,
     truths: Sequence[str] = (),
+    shading: Sequence[str] = (),
 ) -> Matrix:
     """Check a request and expand it to cells.
 
@@ -146,6 +148,8 @@ def plan_matrix(
     truths : sequence of str
         Keys of the truths to score against; the exact one is always among them. Default: those of
         the preset.
+    shading : sequence of str
+        Settings of shared shading, NAME=value,value each; all combinations are run.
 
     Raises
     ------
@@ -168,6 +172,7 @@ def plan_matrix(
     for text in effects:
         if text != EACH:
             choose_effects(text, Effect.NONE)
+    shadings = [one.label for one in parse_shading(shading)]
     limit = memory.limit(memory_gib, workers)
     seconds = LOAD_SECONDS if timeout is None else min(timeout, LOAD_SECONDS)
     wanted = (EXACT, *(truths or chosen.truths))
@@ -177,8 +182,9 @@ def plan_matrix(
         chosen_scenes = catalog.expand_scenes(scenes or _preset_scenes(catalog, chosen))
         chosen_methods = catalog.expand_methods(methods or _preset_methods(catalog, chosen))
         pairs = [
-            (Cell(scene.label, method.label, size, ssaa, effect, *settings), error)
+            (Cell(scene.label, method.label, size, ssaa, effect, *settings, one), error)
             for scene in chosen_scenes
+            for one in shadings
             for method, axis in _expand_effects(catalog, scene, chosen_methods, effects, timeout)
             for effect in axis
             for error in [scene.error or method.error]

@@ -85,20 +85,34 @@ class Stage:
         Width and height of the image in pixels.
     ssaa : int
         Side of the sub-pixel grid.
+    shading : str
+        See `Cell.shading`.
     uploaded : UploadedScene
     method : Method
         Exact compositing.
     store : Store
+
+    Attributes
+    ----------
+    disagreements : dict of Effect to str
+        Why truths contradict each other, or "", by the effects that run.
     """
 
     label: str
     size: tuple[int, int]
     ssaa: int
+    shading: str
     uploaded: UploadedScene
     method: Method
     store: Store
+    disagreements: dict[Effect, str] = field(default_factory=dict, init=False)
     _exact: dict[Effect, Exact] = field(default_factory=dict, init=False)
     _traced: dict[str, Truth | OitbenchError] = field(default_factory=dict, init=False)
+
+    @property
+    def identity(self) -> tuple[str, tuple[int, int], int, str]:
+        """The fields of a cell that have the same stage."""
+        return self.label, self.size, self.ssaa, self.shading
 
     @property
     def scene(self) -> Scene:

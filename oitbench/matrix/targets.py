@@ -17,6 +17,7 @@ from oitbench.matrix.plan import CELL_SECONDS
 from oitbench.matrix.pool import WorkerProcess
 from oitbench.matrix.worker import ALL, LIST, DrawTargets, TargetFacts, TargetsDrawn
 from oitbench.method.ablation import REQUESTED
+from oitbench.shading import read_shading
 from oitbench.workers import memory
 from oitbench.workers.messages import Step
 
@@ -54,6 +55,7 @@ def draw(
     collections: Iterable[Path | str] = (),
     timeout: float | None = CELL_SECONDS,
     memory_gib: float | None = None,
+    shading: Sequence[str] = (),
 ) -> list[DrawnTarget]:
     """Render a frame of `scene` with `method` in a process of its own, and return its targets.
 
@@ -64,7 +66,7 @@ def draw(
     names : sequence of str
         Names of targets and views (see `oitbench.gl.frame_targets`), or only `ALL`: all that can
         be read, or only `LIST`: the facts of all, with no values.
-    size, ssaa, effects, collections, timeout, memory_gib
+    size, ssaa, effects, collections, timeout, memory_gib, shading
         As for `oitbench.matrix.picture.render`. Texels are those of sub-pixels.
 
     Raises
@@ -72,6 +74,7 @@ def draw(
     OitbenchError
         Something is unknown, out of range, or not available on this machine, or the process ended.
     """
+    settings = read_shading(",".join(shading)).label
     with Catalog(collections) as catalog:
         folders = catalog.places.folders
     with (
@@ -79,7 +82,9 @@ def draw(
         WorkerProcess(folders, (), Path(folder), memory.limit(memory_gib, 1)) as worker,
     ):
         file = Path(folder) / "targets.npz"
-        request = DrawTargets(scene, method, size, ssaa, effects, list(names), os.fsencode(file))
+        request = DrawTargets(
+            scene, method, size, ssaa, effects, list(names), os.fsencode(file), settings
+        )
         drawn = worker.ask(request, TargetsDrawn, timeout, _DRAWING)
         if not file.exists():
             return [DrawnTarget(facts, None, drawn.exposure) for facts in drawn.targets]

@@ -58,12 +58,15 @@ def time_cells(
     """
     found: dict[str, Timing] = {}
     with ExitStack() as stack:
-        uploaded = stack.enter_context(UploadedScene(device, scene))
+        uploaded: dict[str, UploadedScene] = {}
         frames: dict[str, Frame] = {}
         for scored in cells:
-            name = str(scored.cell.key)
+            name, shading = str(scored.cell.key), scored.cell.shading
             try:
-                frame = stack.enter_context(_frame(uploaded, collection, scored.cell))
+                if shading not in uploaded:
+                    opened = UploadedScene(device, scene, scored.cell.settings)
+                    uploaded[shading] = stack.enter_context(opened)
+                frame = stack.enter_context(_frame(uploaded[shading], collection, scored.cell))
                 frame.render()
             except OitbenchError as error:
                 found[name] = Timing(reason=str(error))
@@ -79,17 +82,13 @@ def time_cells(
         for scored in cells:
             name = str(scored.cell.key)
             if name in measured.times:
-                found[name] = _checked(
-                    frames[name], uploaded, collection, scored.cell, measured.times[name]
-                )
+                found[name] = _checked(frames[name], collection, scored.cell, measured.times[name])
     return [found[str(scored.cell.key)] for scored in cells]
 
 
-def _checked(
-    frame: Frame, uploaded: UploadedScene, collection: Collection, cell: Cell, time: Time
-) -> Timing:
+def _checked(frame: Frame, collection: Collection, cell: Cell, time: Time) -> Timing:
     """Return the times of a frame if its picture is the one that is scored."""
-    with _frame(uploaded, collection, cell) as accurate:
+    with _frame(frame.scene, collection, cell) as accurate:
 
         def render() -> Image:
             accurate.render()

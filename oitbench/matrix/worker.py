@@ -25,6 +25,7 @@ from oitbench.method.declaration import Method
 from oitbench.places import Places
 from oitbench.plugins import Collection
 from oitbench.results.schema import Fingerprints, Record, Renderer
+from oitbench.shading import read_shading
 from oitbench.workers.serve import OnStep, serve
 
 LIST, ALL = "list", "all"
@@ -73,6 +74,7 @@ class DrawPicture(Struct, frozen=True, tag=True):
     ssaa: int
     effects: str
     file: bytes
+    shading: str = ""
 
 
 class DrawTargets(Struct, frozen=True, tag=True):
@@ -85,6 +87,7 @@ class DrawTargets(Struct, frozen=True, tag=True):
     effects: str
     names: list[str]
     file: bytes
+    shading: str = ""
 
 
 class Greeting(Struct, frozen=True, tag=True):
@@ -175,7 +178,7 @@ def _opened(bench: Bench, request: DrawPicture | DrawTargets) -> Iterator[tuple[
     fine = (request.size[0] * request.ssaa, request.size[1] * request.ssaa)
     check_size(bench.device, fine)
     with (
-        UploadedScene(bench.device, scene) as uploaded,
+        UploadedScene(bench.device, scene, read_shading(request.shading)) as uploaded,
         Frame(uploaded, chosen[0], fine, running) as frame,
     ):
         yield frame, chosen[0]

@@ -52,7 +52,11 @@ def shading(frame: Frame, measured: FrameMeasurement) -> SharedShading:
     These are the shadow maps, ambient occlusion and the filters of both.
     """
     maps = [entry for stage in frame.shading for entry in stage.memory()]
-    return SharedShading(_memory(maps, frame.plan.size), _traffic(measured.shading_terms))
+    return SharedShading(
+        _memory(maps, frame.plan.size),
+        _traffic(measured.shading_terms),
+        frame.scene.settings.values,
+    )
 
 
 def _memory(terms: Sequence[tuple[str, int]], size: tuple[int, int]) -> Memory:

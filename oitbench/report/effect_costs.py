@@ -11,7 +11,7 @@ from oitbench.measure.intervals import interval
 from oitbench.report.cells import effect_labels, total_memory, total_traffic
 from oitbench.report.times import is_disturbed
 from oitbench.results.records import Ablation, Panel
-from oitbench.results.schema import WHOLE, Record
+from oitbench.results.schema import Record
 
 
 class SavedTime(NamedTuple):
@@ -87,7 +87,7 @@ def effect_costs(panel: Panel, metric: str) -> Iterator[EffectCost]:
         if complete.outcome is None or reduced.outcome is None:
             continue
         truth = complete.ranking_truth
-        before, after = complete.errors(truth, metric), reduced.errors(WHOLE, metric)
+        before, after = complete.errors(truth, metric), reduced.errors(reduced.whole_truth, metric)
         yield EffectCost(
             ablation,
             saved_time(complete, reduced),

@@ -70,6 +70,7 @@ def label(record: Record) -> str:
     """Return a cell's name: scene, method, size and settings, separated by blanks."""
     width, height = record.size
     settings = f"effects={record.effects} ssaa={record.ssaa}"
+    settings += f" shading={record.shading}" if record.shading else ""
     return f"{record.scene} {record.method} {width}x{height} {settings}"
 
 

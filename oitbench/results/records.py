@@ -23,7 +23,7 @@ from oitbench.truths import EXACT
 if TYPE_CHECKING:
     import pandas as pd
 
-_Place = tuple[str, tuple[int, int], int, str]
+_Place = tuple[str, tuple[int, int], int, str, str]
 
 
 @dataclass(frozen=True)
@@ -144,7 +144,7 @@ class Results:
         scenes = self.scenes
         ordered = sorted(groups, key=lambda place: (scenes.index(place[0]), *place[1:]))
         # A title shows the settings in which the panels differ.
-        several = [len({place[k] for place in ordered}) > 1 for k in (1, 2, 3)]
+        several = [len({place[k] for place in ordered}) > 1 for k in (1, 2, 3, 4)]
         return tuple(
             Panel(
                 place[0],
@@ -204,7 +204,7 @@ class Results:
 
 
 def _place(record: Record) -> _Place:
-    return record.scene, record.size, record.ssaa, record.effects
+    return record.scene, record.size, record.ssaa, record.effects, record.shading
 
 
 def _by_method(record: Record) -> Any:
@@ -235,7 +235,12 @@ def _ablation(complete: Record, record: Record) -> Ablation:
 
 
 def _title(place: _Place, several: Iterable[bool]) -> str:
-    scene, (width, height), ssaa, effects = place
-    settings = (f"{width} × {height}", f"ssaa {ssaa}", f"effects {effects}")
+    scene, (width, height), ssaa, effects, shading = place
+    settings = (
+        f"{width} × {height}",
+        f"ssaa {ssaa}",
+        f"effects {effects}",
+        f"shading {shading or 'default'}",
+    )
     shown = [text for text, differs in zip(settings, several, strict=True) if differs]
     return " · ".join([scene, *shown])

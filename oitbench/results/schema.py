@@ -76,10 +76,14 @@ class Traffic(_Typed, frozen=True):
 
 
 class SharedShading(_Typed, frozen=True):
-    """Accounts of the stages that all methods share: shadow maps and ambient occlusion."""
+    """Accounts and settings of the stages that all methods share.
+
+    These are shadow maps and ambient occlusion.
+    """
 
     memory: Memory
     traffic: Traffic
+    settings: dict[str, Value] = {}
 
 
 class PassRuns(_Typed, frozen=True):
@@ -177,6 +181,7 @@ class CellKey(_Typed, frozen=True):
     size: Size
     ssaa: int
     effects: str
+    shading: str = ""
 
 
 class Fingerprints(_Typed, frozen=True):
@@ -207,8 +212,9 @@ class Record(_Typed, frozen=True):
 
     `scene` and `method` are labels with the parameters that differ from their defaults, and `name`
     is the method's bare name. `size` is in pixels, `ssaa` the side of the sub-pixel grid of
-    accuracy images, `effects` the requested set of effects, and `permutations` the number of random
-    orders of the draws. `truths` were asked for. `seconds` is the wall-clock time of rendering and
+    accuracy images, `effects` the requested set of effects, `shading` the settings of shared
+    shading that differ from their defaults, and `permutations` the number of random orders of the
+    draws. `truths` were asked for. `seconds` is the wall-clock time of rendering and
     scoring. `gl` and `fingerprints` are null if they were not known when the cell failed.
     """
 
@@ -228,6 +234,7 @@ class Record(_Typed, frozen=True):
     fingerprints: Fingerprints | None = None
     outcome: Outcome | None = None
     time: Time | None = None
+    shading: str = ""
     schema: Literal[3] = VERSION
 
     @property
@@ -239,6 +246,7 @@ class Record(_Typed, frozen=True):
             size=self.size,
             ssaa=self.ssaa,
             effects=self.effects,
+            shading=self.shading,
         )
 
     @property
@@ -271,6 +279,12 @@ class Record(_Typed, frozen=True):
         """Return a metric that the noise of a truth alone causes, or None."""
         scores = self.outcome.scores.get(truth) if self.outcome else None
         return scores.noise_floor.get(name) if scores else None
+
+    @property
+    def whole_truth(self) -> str:
+        """The key of the scores against the ranking truth with all effects of the scene."""
+        left_out = self.outcome is not None and WHOLE in self.outcome.scores
+        return WHOLE if left_out else self.ranking_truth
 
     @property
     def ranking_truth(self) -> str:

@@ -27,6 +27,7 @@ def flat(record: Record) -> dict[str, Any]:
         "height": record.size[1],
         "ssaa": record.ssaa,
         "effects": record.effects,
+        "shading": record.shading,
         "status": record.status,
         "reason": record.reason,
         **flat_times(record.time),

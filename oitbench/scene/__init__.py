@@ -13,6 +13,7 @@ camera     `Camera`
 coincidence surfaces that lie in one plane
 material   `Material` and `Texture`: how surfaces cover, transmit and reflect
 lights     directional, spot and environment lights
+environment means of an environment light's radiance, by direction
 medium     `Medium`: fog
 vectors    types of vectors, colors and arrays, and vector algebra
 checks     validation of values
@@ -28,7 +29,7 @@ from oitbench.scene.lights import (
     Light,
     SpotLight,
 )
-from oitbench.scene.material import Material, Texture
+from oitbench.scene.material import LEAST_LOBE, Material, Texture
 from oitbench.scene.medium import Medium, sample_density
 from oitbench.scene.model import Scene
 from oitbench.scene.objects import FragmentLists, Mesh, Object
@@ -47,6 +48,7 @@ from oitbench.scene.vectors import (
 
 __all__ = [
     "BLACK",
+    "LEAST_LOBE",
     "PENUMBRA",
     "RGB",
     "WHITE",

@@ -13,6 +13,10 @@ import numpy as np
 from oitbench.scene.checks import require, require_finite, require_fractions, require_light
 from oitbench.scene.vectors import BLACK, RGB, Array
 
+LEAST_LOBE = 0.1
+"""Least roughness of the lobe in which a surface reflects a beam, which would be a point to a
+mirror. Half of the lobe's peak is reached 0.7° from its middle: beams look like lamps as wide."""
+
 
 @dataclass(frozen=True, eq=False)
 class Texture:
@@ -71,7 +75,7 @@ class Material:
         refractive index, ((N − 1)/(N + 1))².
     roughness : float
         Roughness of the microfacet lobe, in [0, 1]: the square root of GGX's α. At 0 the surface is
-        a mirror, which reflects the surroundings but no directional or spot light.
+        a mirror. Directional and spot lights are reflected with `LEAST_LOBE` or more.
     index : float
         Refractive index N of the inside, at least 1; 1 does not refract. A thin sheet uses it only
         for its reflectance and does not refract.

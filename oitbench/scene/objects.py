@@ -126,6 +126,8 @@ class Object:
     decal_of : str, optional
         Name of the object in whose planes this one lies. Surfaces that lie exactly in one plane
         are found without it.
+    receives_shadows : bool
+        False for an object that all beams reach, whatever lies between. It still casts shadows.
 
     Raises
     ------
@@ -139,6 +141,7 @@ class Object:
     casts: bool = True
     particles: bool = False
     decal_of: str = ""
+    receives_shadows: bool = True
 
     def __post_init__(self) -> None:
         require(self.decal_of != self.name, f"object {self.name}: it is a decal of itself")

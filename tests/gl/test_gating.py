@@ -21,10 +21,11 @@ from oitbench.matrix.cell import choose_effects
 from oitbench.measure import accounting
 from oitbench.method.declaration import Method
 from oitbench.scene import Scene
+from oitbench.shading import ShadingSettings
 from tests.helpers import collection, method
 
 SIZE = (64, 48)
-MAP_SIDE = 128
+SETTINGS = ShadingSettings(shadow_map=128)
 """Texels along each side of shadow maps; few, for speed."""
 STEPS = 8
 """Slices of fog; few, for speed."""
@@ -108,7 +109,7 @@ def rendered(uploaded: UploadedScene, chosen: Method, effects: Effect) -> Render
 def pair(device: Device, scene: Scene, chosen: Method) -> tuple[Rendered, Rendered]:
     """Return the frame with the effects that the scene requests, and that with all effects."""
     everything = choose_effects("all", scene.effects)
-    with UploadedScene(device, scene, MAP_SIDE) as uploaded:
+    with UploadedScene(device, scene, SETTINGS) as uploaded:
         requested, forced = (
             rendered(uploaded, chosen, effects & chosen.shows)
             for effects in (scene.effects, everything)

@@ -18,6 +18,7 @@ from oitbench.gl.uploaded_scene import UploadedScene
 from oitbench.matrix.bench import Bench
 from oitbench.matrix.cell import Cell
 from oitbench.plugins import Collection
+from oitbench.shading import ShadingSettings
 
 KINDS = ("Buffer", "Framebuffer", "Program", "Query", "Sampler", "Shader", "Texture", "VertexArray")
 NAMES = 1024
@@ -83,7 +84,11 @@ def bench(plugins: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Ite
     """A bench that builds each scene once and has small shadow maps, for speed."""
     collection = Collection.load([plugins])
     monkeypatch.setattr(collection, "build_scene", cache(collection.build_scene))
-    monkeypatch.setattr(oitbench.matrix.bench, "UploadedScene", partial(UploadedScene, map_side=64))
+    monkeypatch.setattr(
+        oitbench.matrix.bench,
+        "UploadedScene",
+        partial(UploadedScene, settings=ShadingSettings(shadow_map=64)),
+    )
     with Bench(collection, tmp_path / "out") as bench:
         yield bench
 

@@ -97,9 +97,12 @@ def found_openness(device: Device, scene: Scene) -> npt.NDArray[np.float64]:
 
 
 def with_openness(
-    device: Device, scene: Scene, values: npt.NDArray[np.float64] | float, **options: Effect
+    device: Device,
+    scene: Scene,
+    values: npt.NDArray[np.float64] | float,
+    effects: Effect | None = None,
 ) -> Image:
-    with opened(device, scene, "alpha_blend", SIZE, **options) as frame:
+    with opened(device, scene, "alpha_blend", SIZE, effects) as frame:
         set_openness(frame, values)
         frame.render()
         return frame.image()

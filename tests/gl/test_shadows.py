@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
@@ -15,6 +16,7 @@ from oitbench.gl.device import Device
 from oitbench.gl.frame import Image
 from oitbench.gl.uploaded_scene import UploadedScene
 from oitbench.modeling.mesh import quad, sphere
+from oitbench.path_traced.matched.render import matched
 from oitbench.scene import (
     BLACK,
     RGB,
@@ -24,8 +26,11 @@ from oitbench.scene import (
     Object,
     Scene,
     SpotLight,
+    Texture,
 )
+from oitbench.shading import OCCLUDERS, PUBLISHED, SLICES, ShadingSettings
 from tests.helpers import Empty, opened
+from tests.models.shadows import occluder_light, published_light, traced_light
 
 SIZE = (64, 64)
 ABOVE = Camera(position=(0, 6, 0), target=(0, 0, 0), up=(0, 0, -1), fov_y=math.radians(20))
@@ -47,9 +52,13 @@ def under(pane: Material, height: float = 1.0, light: DirectionalLight | SpotLig
     return Scene("shade", ABOVE, (FLOOR, level("pane", height, 1.5, pane)), lights=(light,))
 
 
-def lit(device: Device, scene: Scene, effects: Effect = ALL) -> Image:
+def lit(
+    device: Device, scene: Scene, effects: Effect = ALL, form: str = OCCLUDERS, **more: int
+) -> Image:
     """Return the radiance of the opaque surfaces in the middle of the view."""
-    with opened(device, scene, Empty(), SIZE, effects=scene.effects & effects) as frame:
+    settings = ShadingSettings(form, **more)
+    running = scene.effects & effects
+    with opened(device, scene, Empty(), SIZE, effects=running, settings=settings) as frame:
         frame.render()
         return frame.image()[16:48, 16:48]
 
@@ -62,14 +71,15 @@ def assert_mean(found: Image, mean: npt.ArrayLike, sigmas: float = 4) -> None:
     assert (abs(found.mean(axis=(0, 1)) - expected) <= allowed).all(), found.mean(axis=(0, 1))
 
 
+@pytest.mark.parametrize("form", [PUBLISHED, OCCLUDERS, SLICES])
 @pytest.mark.parametrize("height", [0.05, 0.5, 2.0])
 @pytest.mark.parametrize("transmission", [(0.9, 0.5, 0.1), (0.3, 0.3, 0.3)])
 def test_the_shadow_of_a_pane_has_its_transmittance_at_any_height(
-    device: Device, transmission: RGB, height: float
+    device: Device, transmission: RGB, height: float, form: str
 ) -> None:
     pane = Material(coverage=0.8, transmission=transmission)
     expected = 1 - 0.8 * (1 - np.asarray(transmission))
-    assert_mean(lit(device, under(pane, height)), expected)
+    assert_mean(lit(device, under(pane, height), form=form), expected)
 
 
 @pytest.mark.parametrize("index", WALKER)
@@ -156,28 +166,109 @@ def test_shadows_do_not_swim_when_the_camera_moves(device: Device) -> None:
     )
 
 
-def test_smoke_shades_itself(device: Device) -> None:
-    """Layers of smoke, lit from behind the viewer, are darker from layer to layer."""
+HEIGHTS = (2.0, 1.6, 1.2, 0.8)
+
+
+def smoky(probe: float) -> Scene:
+    """Return four layers of smoke, and an opaque probe below some of them."""
     smoke = Material(coverage=0.3, albedo=(1, 1, 1), isotropic=True)
-    heights = [2.0, 1.6, 1.2, 0.8]
-    shown, expected = [], []
-    for height in heights:
-        casters = [level(f"smoke {h}", h, 1.5, smoke) for h in heights]
-        # An opaque probe midway to the next layer shows the light that arrives there.
-        probe = level("probe", height - 0.2, 0.3, Material(albedo=(1, 1, 1)))
-        scene = Scene("smoke", ABOVE, (FLOOR, probe, *casters), lights=(SUN,))
-        shown.append(float(lit(device, scene)[12:20, 12:20].mean()))
-        # A ray ends at each layer above with probability 0.3, else at the probe.
-        above = [h for h in heights if h >= height]
-        ends = np.array([*above, height - 0.2])
-        chances = np.array([*(0.3 * 0.7 ** np.arange(len(above))), 0.7 ** len(above)])
-        mean = chances @ ends
-        variance = chances @ (ends - mean) ** 2
-        expected.append(variance / (variance + (mean - ends[-1]) ** 2))
-    assert shown == sorted(shown, reverse=True)
-    # Chebyshev's bound is tight behind one layer and leaks behind more: 0.36, not 0.24.
-    np.testing.assert_allclose(expected[0], 0.7)
-    np.testing.assert_allclose(shown, expected, atol=0.03)
+    casters = [level(f"smoke {h}", h, 1.5, smoke) for h in HEIGHTS]
+    below = level("probe", probe, 0.3, Material(albedo=(1, 1, 1)))
+    return Scene("smoke", ABOVE, (FLOOR, below, *casters), lights=(SUN,))
+
+
+@pytest.mark.parametrize("form", [PUBLISHED, OCCLUDERS, SLICES])
+def test_smoke_shades_itself(device: Device, form: str) -> None:
+    """Opaque probes midway between layers of smoke are lit as the model of the form says."""
+    models: dict[str, Callable[..., float]] = {
+        PUBLISHED: published_light,
+        OCCLUDERS: occluder_light,
+        SLICES: traced_light,
+    }
+    model = models[form]
+    for number, height in enumerate(HEIGHTS, start=1):
+        probe = height - 0.2
+        shown = float(lit(device, smoky(probe), form=form)[12:20, 12:20].mean())
+        above = [-h for h in HEIGHTS[:number]]
+        expected = model(above, [0.7] * number, -probe)
+        np.testing.assert_allclose(shown, expected, atol=2e-3 if form == SLICES else 0.03)
+
+
+def test_both_forms_of_moments_agree_for_the_surface_that_they_include() -> None:
+    """Elsewhere, moments that include a far floor leak all light."""
+    layers, taus = [-h for h in HEIGHTS], [0.7] * 4
+    bound = occluder_light(layers, taus, -0.6)
+    np.testing.assert_allclose(published_light(layers, taus, -0.6), bound)
+    np.testing.assert_allclose(bound, 0.36, atol=0.01)
+    np.testing.assert_allclose(traced_light(layers, taus, -0.6), 0.2401)
+    assert published_light(layers, taus, 20.0, -0.6) == 1
+
+
+@pytest.mark.parametrize("form", [PUBLISHED, OCCLUDERS, SLICES])
+def test_layers_of_smoke_above_a_far_floor(device: Device, form: str) -> None:
+    """The radiance of the layers, seen from the light, is the sum of what each receives."""
+    smoke = Material(coverage=0.3, albedo=(1, 1, 1), isotropic=True)
+    layers, taus = [-h for h in HEIGHTS], [0.7] * 4
+    casters = tuple(level(f"smoke {h}", h, 1.5, smoke) for h in HEIGHTS)
+    floor = level("floor", -20, 9, Material(), casts=False)
+    scene = Scene("smoke", ABOVE, (floor, *casters), lights=(SUN,))
+    effects, settings = scene.effects & ALL, ShadingSettings(form)
+    with opened(device, scene, "a_buffer", SIZE, effects=effects, settings=settings) as frame:
+        frame.render()
+        shown = float(frame.image()[24:40, 24:40].mean())
+    lights = {
+        PUBLISHED: [published_light(layers, taus, 20, z) for z in layers],
+        OCCLUDERS: [occluder_light(layers, taus, z, own=0.5) for z in layers],
+        SLICES: [traced_light(layers, taus, z) for z in layers],
+    }
+    # An isotropic surface scatters a quarter of the irradiance over pi, here 1/4.
+    total, expected = (
+        sum(0.3 * 0.7**k * 0.25 * light for k, light in enumerate(lights[one]))
+        for one in (SLICES, form)
+    )
+    np.testing.assert_allclose(shown, expected, rtol=0.005 if form == SLICES else 0.03)
+    if form == PUBLISHED:
+        assert expected > 1.1 * total
+
+
+def test_slices_hold_cutouts_smaller_than_their_texels(device: Device) -> None:
+    """A pane of which a texture covers every other column lets half of the light pass."""
+    texels = np.zeros((256, 256), dtype=np.float32)
+    texels[:, ::2] = 1.0
+    stripes = Material(coverage=Texture(texels), transmission=(0, 0, 0))
+    pane = level("pane", 1.0, 1.5, Material())
+    uvs = np.array([(0, 0), (1, 0), (0, 1), (1, 1)], dtype=np.float32)
+    pane = Object("pane", replace(pane.mesh, uvs=uvs), stripes)
+    scene = Scene("stripes", ABOVE, (FLOOR, pane), lights=(SUN,))
+    found = lit(device, scene, form=SLICES, shadow_map=512)
+    np.testing.assert_allclose(found.mean(), 0.5, atol=0.03)
+
+
+@pytest.mark.parametrize("form", [PUBLISHED, OCCLUDERS, SLICES])
+def test_objects_that_receive_no_shadows_are_lit(device: Device, form: str) -> None:
+    """In both renderers; the object still casts a shadow on others."""
+    pane = Material(transmission=(0.5, 0.5, 0.5))
+    scene = under(pane)
+    floor, shade = scene.objects
+    free = replace(scene, objects=(replace(floor, receives_shadows=False), shade))
+    np.testing.assert_allclose(lit(device, free, form=form), 1.0, atol=1e-6)
+    np.testing.assert_allclose(matched(free, (8, 8), 1)[2:6, 2:6], 0.5, atol=1e-6)
+    np.testing.assert_allclose(matched(scene, (8, 8), 1)[2:6, 2:6], 0.25, atol=1e-6)
+    both = replace(scene, objects=(floor, replace(shade, receives_shadows=False)))
+    assert_mean(lit(device, both, form=form), 0.5)
+
+
+@pytest.mark.parametrize("form", [PUBLISHED, OCCLUDERS, SLICES])
+@pytest.mark.parametrize("downsampling", [1, 2, 4, 8])
+def test_downsampling_moves_no_shadow(device: Device, form: str, downsampling: int) -> None:
+    """The edge of a shadow is blurred, and stays in the middle of the picture."""
+    nearly = Material(coverage=0.999, transmission=(0, 0, 0))
+    half = Object("half", quad((0.75, 1, 0), (0.75, 0, 0), (0, 0, -1.5)), nearly)
+    # The map covers all casters, and so both sides of the edge.
+    far = Object("far", quad((-2, 1, 0), (0.1, 0, 0), (0, 0, -1.5)), nearly)
+    scene = Scene("edge", ABOVE, (FLOOR, half, far), lights=(SUN,))
+    found = lit(device, scene, form=form, shadow_map=128, downsampling=downsampling)
+    np.testing.assert_allclose(found.mean(), 0.5, atol=0.008)
 
 
 def test_empty_texels_of_a_shadow_map_are_lit(device: Device) -> None:

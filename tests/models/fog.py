@@ -93,6 +93,28 @@ def beam(light: DirectionalLight | SpotLight, points: Floats) -> tuple[Floats, F
     return travel, np.asarray(light.intensity) * falloff / distance**2
 
 
+def passing(
+    medium: Medium, light: DirectionalLight | SpotLight, points: Floats, steps: int
+) -> Floats:
+    """Return the part of a light that passes the medium to points (..., 3), shape (..., 1)."""
+    if isinstance(light, DirectionalLight):
+        toward = -np.asarray(light.direction) / np.linalg.norm(light.direction)
+        toward, lamp = np.broadcast_to(toward, points.shape), np.full(points.shape[:-1], np.inf)
+    else:
+        lamp = np.linalg.norm(np.asarray(light.position) - points, axis=-1)
+        toward = (np.asarray(light.position) - points) / lamp[..., None]
+    with np.errstate(divide="ignore"):
+        ends = [(np.asarray(corner) - points) / toward for corner in (medium.low, medium.high)]
+    enters = np.maximum(np.minimum(*ends).max(axis=-1), 0)
+    leaves = np.minimum(np.maximum(*ends).min(axis=-1), lamp)
+    length = np.maximum(leaves - enters, 0)
+    mean = np.zeros(length.shape)
+    for k in range(steps):
+        at = (enters + (k + 0.5) / steps * length)[..., None]
+        mean += density(medium, points + at * toward) / steps
+    return np.asarray(np.exp(-medium.extinction * mean * length))[..., None]
+
+
 def march(
     camera: Camera,
     medium: Medium,
@@ -102,6 +124,7 @@ def march(
     lights: Sequence[DirectionalLight | SpotLight] = (),
     ambient: npt.ArrayLike = 0.0,
     visibility: Callable[[Floats], npt.ArrayLike] = lambda points: 1.0,
+    light_steps: int = 8,
 ) -> Slices:
     """Return slices between the near plane and a view distance.
 
@@ -116,9 +139,11 @@ def march(
         View distance of the opaque surface, meters.
     lights : sequence of light
     ambient : array, shape (3,)
-        Mean radiance of the surroundings.
+        Radiance from all sides.
     visibility : callable
         Visibility of all lights at points (..., 3).
+    light_steps : int
+        Steps in which a varying density dims the lights.
     """
     direction, eye = rays(camera, size), np.asarray(camera.position, dtype=np.float64)
     with np.errstate(divide="ignore"):
@@ -135,6 +160,7 @@ def march(
     for source in lights:
         travel, arriving = beam(source, points)
         cosine = (travel * toward_eye).sum(axis=-1)
+        arriving = arriving * passing(medium, source, points, light_steps)
         scattered = arriving * phase(cosine, medium.anisotropy)[..., None]
         light += scattered * np.broadcast_to(visibility(points), points.shape)
     return Slices(begins + thickness / 2, coverage, np.asarray(medium.albedo) * light)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import importlib
 import math
 from typing import Literal
 
@@ -11,7 +12,9 @@ import numpy.typing as npt
 import pytest
 
 from oitbench.modeling.mesh import quad
+from oitbench.path_traced import llvm
 from oitbench.path_traced.export.view import View
+from oitbench.path_traced.trace.lights import TracedEnvironment
 from oitbench.path_traced.trace.path_tracer import is_random
 from oitbench.path_traced.trace.render import render
 from oitbench.scene import (
@@ -201,6 +204,25 @@ def test_a_map_of_the_environment_lights_the_surface_that_faces_it(
     fine = _bilinear(_bilinear(texture.texels, 0, "edge"), 1, "wrap")
     irradiance = (fine * (np.maximum(d @ n, 0) * solid)[..., None]).sum(axis=(0, 1))
     assert_mean(render(scene, (64, 64)), irradiance / math.pi)
+
+
+def test_directions_are_sampled_in_proportion_to_the_radiance() -> None:
+    """Half a texel aside, most of a small sun would be missed."""
+    mitsuba, drjit = llvm.load(), importlib.import_module("drjit")
+    texels = np.full((32, 64, 3), 0.2, dtype=np.float32)
+    texels[6, 40], texels[20, 3] = 500.0, 100.0
+    lights = (EnvironmentLight(Texture(texels)),)
+    scene = Scene("sun", ABOVE, (_floor(Material()),), lights=lights)
+    environment = TracedEnvironment.build(mitsuba, drjit, scene)
+    d = unit(np.random.default_rng(5).normal(size=(20000, 3))).astype(np.float32)
+    sample = drjit.zeros(mitsuba.DirectionSample3f)
+    sample.d = mitsuba.Vector3f(*d.T)
+    si = drjit.zeros(mitsuba.SurfaceInteraction3f)
+    density = environment.emitter.pdf_direction(si, sample).numpy()
+    radiance = environment.radiance(sample.d).numpy()[0]
+    assert (radiance > 50).sum() > 10
+    expected = radiance / (4 * math.pi * environment.mean[0])
+    np.testing.assert_allclose(density, expected, rtol=0.1)
 
 
 def _bilinear(values: npt.ArrayLike, axis: int, mode: Literal["edge", "wrap"]) -> Floats:

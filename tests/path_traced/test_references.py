@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 from pathlib import Path
 
+import msgspec
 import numpy as np
 import pytest
 
@@ -115,18 +116,22 @@ def test_another_label_size_or_grid_is_not_found(tmp_path: Path) -> None:
     assert lookup.find(wanted(scene), [tmp_path / "none"]) == nothing
 
 
-@pytest.mark.parametrize("changed", ["scene", "tracer"])
+@pytest.mark.parametrize("changed", ["scene", "tracer", "effects"])
 def test_a_stale_reference_is_reported_and_not_used(
     changed: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    storage.save(tmp_path / "reference", make_reference(make_scene()))
+    reference = make_reference(make_scene())
+    if changed == "effects":
+        how = msgspec.structs.replace(reference.rendering, effects=["COVERAGE", "VOLUME"])
+        reference = dataclasses.replace(reference, rendering=how)
+    storage.save(tmp_path / "reference", reference)
     scene = make_scene(coverage=0.5 + 1e-7 if changed == "scene" else 0.5)
     if changed == "tracer":
         monkeypatch.setattr(lookup, "TRACER", TRACER + 1)
     found = lookup.find(wanted(scene), [tmp_path])
     assert found.reference is None
-    part = {"scene": "the scene", "tracer": "the path tracer"}[changed]
-    assert f"{KEY}: {part} has changed since" in found.message
+    part = {"scene": "the scene", "tracer": "the path tracer", "effects": "the set of effects"}
+    assert f"{KEY}: {part[changed]} has changed since" in found.message
     assert f"run 'oitbench reference {LABEL}'" in found.message
     assert found.stale is not None
     assert found.stale[0] == tmp_path / "reference"

@@ -19,11 +19,12 @@ from oitbench.gl.uploaded_scene import UploadedScene
 from oitbench.places import own_folder
 from oitbench.plugins import Collection
 from oitbench.scene import Scene
+from oitbench.shading import ShadingSettings
 from tests.pictures.branches import Place, reached, recorded
 from tests.pictures.cells import Cell, running
 from tests.pictures.scenes import BLOCK, SCENES, SIZE
 
-MAP_SIDE = 256
+SETTINGS = ShadingSettings(shadow_map=256)
 """Texels along each side of a light's depth maps."""
 Means = tuple[float, ...] | None
 """Means of radiance and then of transmittance, over blocks from the top left and over channels.
@@ -97,7 +98,7 @@ def means_of(device: Device, cells: Iterable[Cell]) -> Iterator[tuple[Cell, Mean
             if scene is None or cell.scene != label:
                 stack.close()
                 label, scene = cell.scene, SCENES[cell.scene]()
-                uploaded = stack.enter_context(UploadedScene(device, scene, MAP_SIDE))
+                uploaded = stack.enter_context(UploadedScene(device, scene, SETTINGS))
             yield cell, _means(uploaded, scene, cell, collection)
 
 

@@ -334,6 +334,9 @@ def _sources(blueprint: Blueprint, geometry: Geometry, step: Pass) -> tuple[Sour
         return vertex, fragment
     fragment.add_text("prelude (scene)", geometry.macros)
     if detailed:
+        if shading.medium:
+            fragment.add_text("prelude (medium)", shading.medium)
+            fragment.add_engine_file("medium.glsl")
         fragment.add_engine_file("shading.glsl")
         if shading.occluded:
             fragment.add_engine_file("inferred_occlusion.glsl")

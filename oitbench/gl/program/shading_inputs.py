@@ -24,7 +24,7 @@ class ShadingInputs:
     shadows : str
         Samplers of shadow maps, and the function `beam_visibility` that reads them.
     medium : str
-        Macros of `march.glsl`.
+        Macros of `medium.glsl`; empty unless the medium runs.
     occluded : bool
         Whether surfaces hide the environment from each other.
     samplers : mapping of str to texture
@@ -34,7 +34,7 @@ class ShadingInputs:
 
     lit: bool = False
     lights: str = "#define BEAMS 0"
-    shadows: str = "vec3 beam_visibility(int i, vec3 position, vec3 side) { return vec3(1.0); }"
+    shadows: str = "vec3 beam_visibility(int i, Receiver receiver) { return vec3(1.0); }"
     medium: str = ""
     occluded: bool = False
     samplers: Mapping[str, Sampled] = field(default_factory=dict)

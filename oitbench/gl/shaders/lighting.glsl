@@ -12,7 +12,7 @@ struct Beam {
 
 layout(std140, binding = 1) uniform Lights {
     Beam beams[BEAMS + 1];     // one more than needed: GLSL has no empty arrays
-    vec4 surroundings[9];      // irradiance of the environment, spherical harmonics
+    vec4 surroundings;         // mean radiance of the environment
 };
 
 #include "shadows.glsl"
@@ -38,28 +38,50 @@ vec3 irradiance(int i, vec3 position) {
 
 #ifdef ENVIRONMENT
 uniform sampler2D environment_texture;   // latitude and longitude, first row down (-y)
+uniform sampler2DArray means_texture;    // latitude and longitude, first row up, first column ahead
+#ifdef LOBES
+uniform sampler2D lobes_texture;         // by n.v, a row for each lobe
+#endif
 
-// Irradiance of a surface with unit normal `n`: Ramamoorthi & Hanrahan 2001, equation 13 with the
-// cosine lobe already in the coefficients.
-vec3 surrounding_irradiance(vec3 n) {
-    vec3 sum = surroundings[0].rgb + surroundings[1].rgb * n.y + surroundings[2].rgb * n.z +
-               surroundings[3].rgb * n.x + surroundings[4].rgb * (n.x * n.y) +
-               surroundings[5].rgb * (n.y * n.z) + surroundings[6].rgb * (3.0 * n.z * n.z - 1.0) +
-               surroundings[7].rgb * (n.x * n.z) + surroundings[8].rgb * (n.x * n.x - n.y * n.y);
-    return max(sum, vec3(0.0));
+// To the right of straight ahead (-z), in turns. GLSL does not define atan(0, 0): straight up and
+// down, any longitude will do.
+float longitude(vec3 d) {
+    return d.x == 0.0 && d.z == 0.0 ? 0.0 : atan(d.x, -d.z) / (2.0 * PI);
 }
 
-// Mean radiance over all directions.
-vec3 surrounding_radiance() { return surroundings[0].rgb / PI; }
+// Above the horizon, in half turns. Drivers round asin coarsely.
+float latitude(vec3 d) { return atan(d.y, length(d.xz)) / PI; }
 
-// Radiance from the unit direction `d`, blurred as a microfacet lobe of this roughness does.
-vec3 environment_radiance(vec3 d, float roughness) {
-    // GLSL does not define atan(0, 0): straight up and down, any longitude will do.
-    float longitude = d.x == 0.0 && d.z == 0.0 ? 0.0 : atan(d.x, -d.z);
-    vec2 uv = vec2(0.5 + longitude / (2.0 * PI), 0.5 + asin(clamp(d.y, -1.0, 1.0)) / PI);
-    vec2 size = vec2(textureSize(environment_texture, 0));
-    // The lobe's solid angle, about 4 pi a^2 with a = roughness^2, in texels.
-    float area = roughness * roughness * roughness * roughness * size.x * size.y;
-    return textureLod(environment_texture, uv, 0.5 * log2(max(area, 1.0))).rgb;
+// Radiance from the unit direction `d`.
+vec3 environment_radiance(vec3 d) {
+    vec2 uv = vec2(0.5 + longitude(d), 0.5 + latitude(d));
+    return textureLod(environment_texture, uv, 0.0).rgb;
+}
+
+// Mean radiance around the unit direction `d`, weighted as layer `layer` is.
+vec3 mean_radiance(vec3 d, int layer) {
+    vec2 size = vec2(textureSize(means_texture, 0).xy);
+    float down = (0.5 - latitude(d)) * (size.y - 1.0);
+    vec2 uv = vec2(longitude(d) + 0.5 / size.x, (down + 0.5) / size.y);
+    return textureLod(means_texture, vec3(uv, float(layer)), 0.0).rgb;
+}
+
+// Irradiance of a surface with unit normal `n`, divided by pi.
+vec3 surrounding_light(vec3 n) { return mean_radiance(n, 0); }
+
+// Light that a microfacet lobe with F0 = `reflectance` reflects toward `v`: the split sum of Karis
+// 2013, with the lobe around its mean direction.
+vec3 mirrored(int lobe, float reflectance, vec3 n, vec3 v) {
+#ifdef LOBES
+    ivec2 size = textureSize(lobes_texture, 0);
+    float nv = clamp(dot(n, v), 0.0, 1.0);
+    vec2 uv = vec2((nv * float(size.x - 1) + 0.5) / float(size.x),
+                   (float(lobe) - 0.5) / float(size.y));
+    vec4 fit = textureLod(lobes_texture, uv, 0.0);
+    vec3 middle = normalize(fit.z * reflect(-v, n) + fit.w * n);
+    return (reflectance * fit.x + fit.y) * mean_radiance(middle, lobe);
+#else
+    return vec3(0.0);
+#endif
 }
 #endif

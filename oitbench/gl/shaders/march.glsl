@@ -1,16 +1,6 @@
 // A ray marched through the medium that fills a box (McGuire & Mara 2017, TVCG, section 7.2).
-// Filled by oitbench/gl/shading/medium.py.
+#include "medium.glsl"
 #include "random.glsl"
-
-layout(std140, binding = 2) uniform Medium {
-    vec4 medium_low;     // corner of the box, m; extinction where the density is one, 1/m
-    vec4 medium_high;    // corner of the box, m; anisotropy g
-    vec4 medium_color;   // single-scattering albedo; collimation
-};
-
-#ifdef DENSITY
-uniform sampler3D density_texture;   // factor on the extinction, linear between cells' centers
-#endif
 
 // A thin part of the medium, composited like a surface.
 struct Slice {
@@ -33,15 +23,6 @@ float phase(float cosine) {
     return (1.0 - g * g) / (4.0 * PI * base * sqrt(base));
 }
 
-float density_at(vec3 position) {
-#ifdef DENSITY
-    vec3 place = (position - medium_low.xyz) / (medium_high.xyz - medium_low.xyz);
-    return textureLod(density_texture, place, 0.0).r;
-#else
-    return 1.0;
-#endif
-}
-
 // Between the near plane and the view distance `behind`; `leaves` < `enters` if the ray misses.
 Path path_through_medium(float behind) {
     vec3 direction = pixel_ray(gl_FragCoord.xy);
@@ -52,18 +33,17 @@ Path path_through_medium(float behind) {
                 min(min(last.x, last.y), min(last.z, behind)));
 }
 
-// Radiance that scatters toward the eye at `position`, per extinguished light.
-vec3 scattered(vec3 position, vec3 onward) {
-    vec3 sum = vec3(0.0);
+// Radiance that scatters toward the eye at `position`, per extinguished light: from all sides, and from
+// beams, which the medium dims in `steps` steps on their way.
+vec3 scattered(vec3 position, vec3 onward, int steps) {
+    vec3 sum = medium_ambient.rgb;
     for (int i = 0; i < BEAMS; ++i) {
         vec3 light = irradiance(i, position) * phase(dot(toward_light(i, position), onward));
         if (any(greaterThan(light, vec3(0.0)))) {
-            sum += light * beam_visibility(i, position, vec3(0.0));
+            Receiver receiver = Receiver(position, vec3(0.0), APART, vec3(1.0));
+            sum += light * beam_visibility(i, receiver) * passing_medium(i, position, steps);
         }
     }
-#ifdef ENVIRONMENT
-    sum += surrounding_radiance();
-#endif
     return medium_color.rgb * sum * radiance_gain;
 }
 
@@ -77,13 +57,15 @@ float jitter() {
     return fract(float(rank) / 16.0 + unit_interval(hash(uvec3(pixel / 4u, 0)).x));
 }
 
-// Slice `k` of `count` of equal thickness; light and density are sampled at the fraction `part`.
-Slice slice_of(Path path, int k, int count, float part) {
+// Slice `k` of `count` of equal thickness; light and density are sampled at the fraction `part`, and
+// the medium dims beams in `steps` steps.
+Slice slice_of(Path path, int k, int count, float part, int steps) {
     float thickness = max(path.leaves - path.enters, 0.0) / float(count);
     float begins = path.enters + float(k) * thickness;
     vec3 position = eye.xyz + (begins + part * thickness) * path.direction;
     float meters = length(path.direction) * thickness;
     float coverage = 1.0 - exp(-medium_low.w * density_at(position) * meters);
-    vec3 radiance = coverage > 0.0 ? scattered(position, normalize(path.direction)) : vec3(0.0);
+    vec3 onward = normalize(path.direction);
+    vec3 radiance = coverage > 0.0 ? scattered(position, onward, steps) : vec3(0.0);
     return Slice(radiance, coverage, begins + 0.5 * thickness);
 }

@@ -10,6 +10,9 @@ struct Surface {
     float collimation;
     bool isotropic;
     bool binary;         // unfiltered coverage is 0 or 1
+    bool receives;       // shadows
+    bool mapped;         // whether maps of transparent surfaces hold it
+    int lobe;            // number of its lobe, from 1; 0 for a smooth surface
 };
 
 Surface surface_at(int material) {
@@ -19,7 +22,7 @@ Surface surface_at(int material) {
     int flags = int(second.w);
     bool isotropic = (flags & 1) != 0;
     return Surface(first.rgb, isotropic ? 0.0 : first.a, second.x, second.y, second.z, isotropic,
-                   (flags & 2) != 0);
+                   (flags & 2) != 0, (flags & 4) != 0, (flags & 8) != 0, flags >> 4);
 }
 
 // Schlick 1994; no lobe at all where nothing is reflected at normal incidence.
@@ -29,11 +32,13 @@ float fresnel(float reflectance, float cosine) {
     return reflectance > 0.0 ? reflectance + (1.0 - reflectance) * fifth : 0.0;
 }
 
-// Walter et al. 2007; `l` and `v` lie on the side of `n`.
+// The lobe of a beam from `l` times the cosine: Walter et al. 2007, with a least roughness, as a beam
+// would be a point in a mirror. `l` and `v` lie on the side of `n`.
 float microfacets(Surface surface, vec3 n, vec3 v, vec3 l) {
-    float a = surface.roughness * surface.roughness;
+    float roughness = max(surface.roughness, LEAST_LOBE);
+    float a = roughness * roughness;
     float nl = dot(n, l), nv = max(dot(n, v), 1e-4);
-    if (a <= 0.0 || surface.reflectance <= 0.0 || nl <= 0.0) {
+    if (surface.reflectance <= 0.0 || nl <= 0.0) {
         return 0.0;
     }
     vec3 h = normalize(l + v);
@@ -47,8 +52,10 @@ float microfacets(Surface surface, vec3 n, vec3 v, vec3 l) {
     return density * 0.5 / max(masking, 1e-8) * fresnel(surface.reflectance, dot(h, v)) * nl;
 }
 
-// Radiance that leaves toward `v`; `openness` is the part of the environment that is not occluded.
-vec3 reflected(Surface surface, vec3 position, vec3 n, vec3 v, float openness) {
+// Radiance that leaves toward `v`; `openness` is the part of the environment that is not occluded, and
+// `tau` the transmittance of the surface.
+vec3 reflected(Surface surface, vec3 position, vec3 n, vec3 v, float openness, vec3 tau) {
+    int kind = !surface.mapped ? APART : surface.isotropic ? PARTICLE : SHEET;
     vec3 sum = vec3(0.0);
     for (int i = 0; i < BEAMS; ++i) {
         vec3 l = toward_light(i, position);
@@ -58,17 +65,23 @@ vec3 reflected(Surface surface, vec3 position, vec3 n, vec3 v, float openness) {
                                               microfacets(surface, n, v, l);
         if (any(greaterThan(factor, vec3(0.0)))) {
             vec3 side = surface.isotropic ? l : n;
-            sum += factor * irradiance(i, position) * beam_visibility(i, position, side);
+            vec3 light = factor * irradiance(i, position);
+#ifdef MEDIUM
+            light *= passing_medium(i, position, DIMMING_STEPS);
+#endif
+            Receiver receiver = Receiver(position, side, kind, tau);
+            sum += surface.receives ? light * beam_visibility(i, receiver) : light;
         }
     }
 #ifdef ENVIRONMENT
     if (surface.isotropic) {
-        return sum + surface.albedo * surrounding_radiance() * openness;
+        return sum + surface.albedo * surroundings.rgb * openness;
     }
-    sum += surface.albedo / PI * surrounding_irradiance(n) * openness;
-    if (surface.reflectance > 0.0) {
-        sum += fresnel(surface.reflectance, dot(n, v)) *
-               environment_radiance(reflect(-v, n), surface.roughness);
+    sum += surface.albedo * surrounding_light(n) * openness;
+    if (surface.lobe > 0) {
+        sum += mirrored(surface.lobe, surface.reflectance, n, v);
+    } else if (surface.reflectance > 0.0) {
+        sum += fresnel(surface.reflectance, dot(n, v)) * environment_radiance(reflect(-v, n));
     }
 #endif
     return sum;

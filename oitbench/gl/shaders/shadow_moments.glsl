@@ -1,14 +1,15 @@
-// Depths of a stochastic map to moments (z, z^2) of the distance along the light's axis, of the
-// nearest surface, opaque ones included; (0, 0) where there is none.
-float axial_distance(float depth) {
-    return eye.w == 0.0 ? far_plane - depth * (far_plane - near_plane) : view_distance(depth);
-}
-
+// Depths of a stochastic map to moments (z, z^2) of the distance along the light's axis; zero where
+// there is no surface. In the published form the nearest opaque surface counts too, else a third
+// component says whether there is a surface.
 void resolve() {
     float depth = read_map();
-#ifdef OPAQUE
+#if defined(OPAQUE) && !defined(OCCLUDERS)
     depth = max(depth, read_opaque());
 #endif
     float z = depth > 0.0 ? axial_distance(depth) : 0.0;
+#ifdef OCCLUDERS
+    moments = vec4(z, z * z, depth > 0.0 ? 1.0 : 0.0, 0.0);
+#else
     moments = vec2(z, z * z);
+#endif
 }

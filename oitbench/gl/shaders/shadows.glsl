@@ -22,11 +22,25 @@ MapPlace place_in_map(int i, vec3 position) {
     return MapPlace(0.5 + 0.5 * ndc, dot(beams[i].distance, vec4(position, 1.0)), inside);
 }
 
-// A point moved off its surface along the normal `side`, by two texels of the depth map, so that the
+// What is lit.
+struct Receiver {
+    vec3 position;
+    vec3 side;   // unit normal; zero for a medium
+    int kind;    // one of the following
+    vec3 tau;    // its own transmittance
+};
+
+// Whether maps of transparent surfaces hold the receiver itself.
+const int APART = 0;      // no
+const int SHEET = 1;      // yes
+const int PARTICLE = 2;   // yes, as one of many that together are a volume
+
+// The receiver moved off its surface along its normal, by some texels of the depth map, so that the
 // surface does not shadow itself.
-vec3 off_surface(int i, vec3 position, vec3 side) {
+vec3 off_surface(int i, Receiver receiver, float texels) {
+    vec3 position = receiver.position;
     float span = beams[i].place.w == 0.0 ? 1.0 : dot(beams[i].distance, vec4(position, 1.0));
-    return position + 2.0 * beams[i].color.w * span * side;
+    return position + texels * beams[i].color.w * span * receiver.side;
 }
 
 // Fraction of the light that passes the nearest opaque surface, interpolated between four texels.
@@ -44,17 +58,61 @@ float opaque_visibility(sampler2D map, int i, MapPlace place) {
     return mix(mix(lit.x, lit.y, part.x), mix(lit.z, lit.w, part.x), part.y);
 }
 
-// The center of a variance map's texel, as a fraction of a texel beyond its middle: the tent's middle
-// tap is the third of four texels (shadow_tent.glsl).
-const float BEYOND_MIDDLE = 0.125;
-
-// Chebyshev's bound on the fraction of the light that reaches `distance`, of moments (z, z^2).
-float variance_visibility(sampler2D map, vec2 place, float distance) {
-    vec2 shift = BEYOND_MIDDLE / vec2(textureSize(map, 0));
-    vec2 moments = textureLod(map, place - shift, 0.0).rg;
-    float variance = max(moments.y - moments.x * moments.x, 1e-5 * moments.x * moments.x);
-    float behind = distance - moments.x;
-    return behind <= 0.0 ? 1.0 : variance / (variance + behind * behind);
+#ifdef DOWNSAMPLING
+// The filtered moments of a variance map. The center of its texel lies beyond its middle by half a
+// texel of the depth map if the tent's middle tap does (shadow_tent.glsl).
+vec3 filtered_moments(sampler2D map, vec2 place) {
+    float beyond = DOWNSAMPLING > 1 ? 0.5 / float(DOWNSAMPLING) : 0.0;
+    return textureLod(map, place - beyond / vec2(textureSize(map, 0)), 0.0).rgb;
 }
 
-// Samplers and `beam_visibility(i, position, normal)` follow, one case per beam.
+// Fraction of the light that reaches `distance` by moments (z, z^2). Behind their mean, it is between
+// 0 and Chebyshev's bound w; before it, between 1 - w and 1. `own` is 0 for the greatest value, and
+// 1/2 for the middle.
+float moment_visibility(float mean, float square, float distance, float own) {
+    float variance = max(square - mean * mean, 1e-5 * mean * mean);
+    float behind = distance - mean;
+    float bound = variance / (variance + behind * behind);
+    return behind <= 0.0 ? 1.0 - own * bound : (1.0 - own) * bound;
+}
+
+// Of moments that include the nearest opaque surface (McGuire & Mara 2017).
+float published_visibility(sampler2D map, vec2 place, float distance) {
+    vec3 moments = filtered_moments(map, place);
+    return moment_visibility(moments.x, moments.y, distance, 0.0);
+}
+
+// Of moments of transparent surfaces alone, and the weight b of the light that they block.
+float occluder_visibility(sampler2D map, vec2 place, float distance, int kind) {
+    vec3 sums = filtered_moments(map, place);
+    float b = min(sums.z, 1.0);
+    if (b <= 0.0) {
+        return 1.0;
+    }
+    vec2 moments = sums.xy / sums.z;
+    float own = kind == PARTICLE ? 0.5 : 0.0;
+    return 1.0 - b + b * moment_visibility(moments.x, moments.y, distance, own);
+}
+
+// Texel and plane of a receiver among the slices of a beam, which begin at the distance `first`. A
+// sheet is moved by one slice toward the light, and off its surface.
+vec3 slice_place(int i, Receiver receiver, float first, float thickness) {
+    bool sheet = receiver.kind == SHEET;
+    float texels = sheet ? 2.0 * float(DOWNSAMPLING) : 0.0;
+    MapPlace at = place_in_map(i, off_surface(i, receiver, texels));
+    return vec3(at.uv, (at.distance - first) / thickness - (sheet ? 1.0 : 0.0));
+}
+
+// Fraction of the light that reaches a place, linear between planes. A particle has a part in the
+// light at the plane behind it, which is divided by its own transmittance.
+float slice_visibility(sampler3D map, vec3 place, int kind, float own) {
+    float planes = float(textureSize(map, 0).z);
+    float before = floor(place.z);
+    float near = textureLod(map, vec3(place.xy, (before + 0.5) / planes), 0.0).r;
+    float far = textureLod(map, vec3(place.xy, (before + 1.5) / planes), 0.0).r;
+    far = kind == PARTICLE ? min(far / max(own, 1e-3), near) : far;
+    return mix(near, far, place.z - before);
+}
+#endif
+
+// Samplers and `beam_visibility(i, receiver)` follow, one case per beam.

@@ -49,7 +49,8 @@ void add_reflection(inout Fragment fragment, vec3 normal, vec3 toward, vec2 grad
     fragment.collimation = surface.collimation;
     vec3 kept = 1.0 - surface.albedo;
     fragment.transmission *= kept * (1.0 - fresnel(surface.reflectance, fragment.incidence));
-    fragment.radiance += reflected(surface, v_position, normal, toward, openness) * radiance_gain;
+    fragment.radiance += reflected(surface, v_position, normal, toward, openness,
+                                   transmittance(fragment)) * radiance_gain;
 }
 #endif
 

@@ -31,6 +31,11 @@ float view_distance(float inverse_depth) {
     return near_plane / max(mix(inverse_depth, 1.0, ratio), 1e-30 * near_plane);
 }
 
+// The same in a light's map, whose rays may be parallel.
+float axial_distance(float depth) {
+    return eye.w == 0.0 ? far_plane - depth * (far_plane - near_plane) : view_distance(depth);
+}
+
 // Direction from the eye through the pixel, in world space, to advance one meter of view distance.
 vec3 pixel_ray(vec2 pixel) {
     vec2 slope = (pixel - view_center) / pixel_focal;

@@ -13,19 +13,16 @@ from oitbench.gl.geometry import Geometry
 from oitbench.gl.ownership import Owner
 from oitbench.gl.program.bindings import LIGHTS_BINDING, MEDIUM_BINDING
 from oitbench.gl.program.shading_inputs import Sampled, ShadingInputs
-from oitbench.gl.shading.environment import (
-    irradiance_harmonics,
-    upload_environment,
-)
+from oitbench.gl.shading.environment import UploadedEnvironment
 from oitbench.gl.shading.medium import UploadedMedium
 from oitbench.gl.shading.shadows import ShadowMaps
 from oitbench.gl.view import Projection, light_projection
 from oitbench.scene import PENUMBRA, DirectionalLight, Floats, SpotLight, unit
 from oitbench.scene.checks import single_precision
+from oitbench.scene.environment import mean_radiance
+from oitbench.shading import DEFAULT, ShadingSettings
 
-MAP_SIDE = 1024
-"""Texels along each side of a light's depth maps; variance maps have a quarter."""
-_BEAM_BYTES, _HARMONICS_BYTES = 144, 144
+_BEAM_BYTES, _MEAN_BYTES = 144, 16
 _CASTING = Effect.SHADOWS | Effect.TRANSLUCENT_SHADOWS
 _NO_PROJECTION = Projection(np.eye(4), np.eye(4), 1.0, 2.0, 1.0, np.zeros(4))
 
@@ -39,8 +36,7 @@ class Lighting(Owner):
     geometry : Geometry
     effects : Effect
         Running effects of shading.
-    map_side : int
-        Texels along each side of a depth map.
+    settings : ShadingSettings
 
     Attributes
     ----------
@@ -57,37 +53,43 @@ class Lighting(Owner):
     """
 
     def __init__(
-        self, device: Device, geometry: Geometry, effects: Effect, map_side: int = MAP_SIDE
+        self,
+        device: Device,
+        geometry: Geometry,
+        effects: Effect,
+        settings: ShadingSettings = DEFAULT,
     ) -> None:
         super().__init__()
         scene = geometry.scene
         self._beams = scene.beams
-        self._drawn = False
+        self._drawn, self._settings = False, settings
         owner = f"a scene of {len(self._beams)} directional and spot lights"
-        size = (len(self._beams) + 1) * _BEAM_BYTES + _HARMONICS_BYTES
+        size = (len(self._beams) + 1) * _BEAM_BYTES + _MEAN_BYTES
         device.within(owner, size, "GL_MAX_UNIFORM_BLOCK_SIZE")
         casters = tuple(item for item in scene.objects if item.casts)
         self._projections = [
             light_projection(light, casters, scene.objects) if effects & _CASTING else None
             for light in self._beams
         ]
-        harmonics = np.zeros((9, 3))
-        self._environment: moderngl.Texture | None = None
+        mean = np.zeros(3)
+        self._environment: UploadedEnvironment | None = None
         with self.building():
             self.maps = [
                 None
                 if projection is None
-                else self.own(ShadowMaps(device, geometry, effects, projection, map_side))
+                else self.own(ShadowMaps(device, geometry, effects, projection, settings))
                 for projection in self._projections
             ]
             if scene.environment is not None:
-                texels = scene.environment.texels
-                self._environment = self.own(upload_environment(device, texels))
-                harmonics = irradiance_harmonics(texels)
-            self.medium = self.own(UploadedMedium(device, scene.medium))
-            self.block = self.own(device.context.buffer(self._bytes(harmonics, map_side)))
+                materials = [item.material for item in scene.objects]
+                self._environment = self.own(
+                    UploadedEnvironment(device, scene.environment, materials)
+                )
+                mean = mean_radiance(scene.environment.texels)
+            self.medium = self.own(UploadedMedium(device, scene))
+            self.block = self.own(device.context.buffer(self._bytes(mean, settings.shadow_map)))
 
-    def _bytes(self, harmonics: Floats, map_side: int) -> bytes:
+    def _bytes(self, mean: Floats, map_side: int) -> bytes:
         parts = []
         for light, projection in zip(self._beams, self._projections, strict=True):
             seen = projection or _NO_PROJECTION
@@ -95,15 +97,16 @@ class Lighting(Owner):
                 np.concatenate([seen.world_to_clip.T.ravel(), *_beam(light, seen, map_side)])
             )
         parts.append(np.zeros(36))
-        padded = np.concatenate([harmonics, np.zeros((9, 1))], axis=1)
-        numbers = np.concatenate([*parts, padded.ravel()])
+        numbers = np.concatenate([*parts, mean, [0.0]])
         return single_precision("the lights of the scene", numbers).tobytes()
 
     def inputs(self, effects: Effect) -> ShadingInputs:
         """Return the inputs of shaders under all running `effects`."""
         lines = [f"#define BEAMS {len(self._beams)}"]
+        if any(self.maps):
+            lines.append(f"#define DOWNSAMPLING {self._settings.downsampling}")
         if self._environment is not None:
-            lines.append("#define ENVIRONMENT 1")
+            lines.append(self._environment.macros)
         return ShadingInputs(
             lit=True,
             lights="\n".join(lines),
@@ -119,7 +122,7 @@ class Lighting(Owner):
             if maps is not None:
                 found |= {f"{name}_map{number}": texture for name, texture in maps.finished.items()}
         if self._environment is not None:
-            found["environment_texture"] = self._environment
+            found |= self._environment.samplers
         if self.medium.density is not None:
             found["density_texture"] = self.medium.density
         return found
@@ -130,10 +133,16 @@ class Lighting(Owner):
         for number, maps in enumerate(self.maps):
             if maps is None or not maps.finished:
                 continue
-            lines += [f"uniform sampler2D {name}_map{number};" for name in maps.finished]
-            cases.append(f"    if (i == {number}) {{\n{_visibility(number, maps)}    }}")
-        head = "vec3 beam_visibility(int i, vec3 position, vec3 side) {\n    vec3 lit = vec3(1.0);"
-        return "\n".join([*lines, head, *cases, "    return lit;", "}"])
+            lines += [
+                f"uniform {'sampler3D' if isinstance(texture, moderngl.Texture3D) else 'sampler2D'}"
+                f" {name}_map{number};"
+                for name, texture in maps.finished.items()
+            ]
+            cases.append(f"    if (i == {number}) {{\n{maps.visibility(number)}    }}")
+        head = "vec3 beam_visibility(int i, Receiver receiver) {"
+        return "\n".join(
+            [*lines, head, "    vec3 lit = vec3(1.0);", *cases, "    return lit;", "}"]
+        )
 
     def prepare(self) -> None:
         """Draw all shadow maps unless they are drawn: they do not depend on the camera."""
@@ -177,23 +186,3 @@ def _beam(light: DirectionalLight | SpotLight, seen: Projection, map_side: int) 
         color = light.intensity
     bounds = np.array([seen.near, seen.far, PENUMBRA, 0.0])
     return [place, axis, np.array([*color, texel]), seen.distance_row, bounds]
-
-
-def _visibility(number: int, maps: ShadowMaps) -> str:
-    """Return the GLSL that computes the part of beam `number` that arrives."""
-    lines = [
-        f"MapPlace at = place_in_map({number}, position);",
-        "if (!at.inside) return lit;",
-    ]
-    if maps.channels:
-        reads = [
-            f"variance_visibility(filtered{k}_map{number}, at.uv, at.distance)"
-            for k in range(maps.channels)
-        ]
-        lines.append(f"lit = vec3({', '.join(reads)});")
-    if maps.opaque:
-        lines += [
-            f"at = place_in_map({number}, off_surface({number}, position, side));",
-            f"lit = min(lit, vec3(opaque_visibility(opaque_map{number}, {number}, at)));",
-        ]
-    return "".join(f"        {line}\n" for line in lines)

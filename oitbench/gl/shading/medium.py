@@ -7,20 +7,21 @@ import numpy as np
 
 from oitbench.gl.device import Device
 from oitbench.gl.ownership import Owner
-from oitbench.scene import Array, Medium
+from oitbench.scene import Array, Medium, Scene
 from oitbench.scene.checks import single_precision
+from oitbench.scene.environment import ambient_of_medium
 
 _VACUUM = Medium(extinction=0.0, low=(0.0, 0.0, 0.0), high=(1.0, 1.0, 1.0))
 
 
 class UploadedMedium(Owner):
-    """The inputs of `march.glsl`.
+    """The inputs of `medium.glsl`.
 
     Parameters
     ----------
     device : Device
-    medium : Medium or None
-        None for vacuum.
+    scene : Scene
+        Without a medium, vacuum fills it.
 
     Attributes
     ----------
@@ -34,13 +35,14 @@ class UploadedMedium(Owner):
         The grid is larger than the driver allows.
     """
 
-    def __init__(self, device: Device, medium: Medium | None) -> None:
+    def __init__(self, device: Device, scene: Scene) -> None:
         super().__init__()
-        medium = medium or _VACUUM
+        medium = scene.medium or _VACUUM
         rows = [
             [*medium.low, medium.extinction],
             [*medium.high, medium.anisotropy],
             [*medium.albedo, medium.collimation],
+            [*ambient_of_medium(scene), 0.0],
         ]
         self.density: moderngl.Texture3D | None = None
         with self.building():
@@ -52,7 +54,7 @@ class UploadedMedium(Owner):
     @property
     def macros(self) -> str:
         """Facts about the medium that shaders need at compile time."""
-        return "#define DENSITY 1" if self.density is not None else ""
+        return "#define MEDIUM 1" + ("\n#define DENSITY 1" if self.density is not None else "")
 
 
 def _upload_density(device: Device, density: Array) -> moderngl.Texture3D:

@@ -1,9 +1,9 @@
-"""Shadow maps of one beam: a depth map of opaque surfaces, variance maps of transparent ones.
+"""Shadow maps of one beam: a depth map of opaque surfaces, and maps of transparent ones.
 
-Transparent surfaces are drawn into one depth map per channel, where each texel keeps a fragment
-with the probability that it absorbs the light of that channel; all channels are drawn at once. The
-depths are converted to moments, and a tent of 15 texels filters them in two passes that keep every
-fourth texel (McGuire & Mara 2017).
+For variance maps, transparent surfaces are drawn into one depth map per channel, where each texel
+keeps a fragment with the probability that it absorbs the light of that channel; all channels are
+drawn at once. The depths are converted to moments, and a tent filters them in two passes that keep
+one of several texels (McGuire & Mara 2017). The other form of translucent shadows is `slices`.
 """
 
 from __future__ import annotations
@@ -17,16 +17,17 @@ from oitbench.gl.draws.records import Lap, no_lap
 from oitbench.gl.geometry import Geometry
 from oitbench.gl.ownership import Owner
 from oitbench.gl.program.passes import LIGHT_VIEW, Blueprint
+from oitbench.gl.program.shading_inputs import Sampled
+from oitbench.gl.shading.slices import OpacitySlices
 from oitbench.gl.view import Projection
 from oitbench.method.blending import MAXIMUM, REPLACE
 from oitbench.method.passes import Gather, Resolve
 from oitbench.method.storage import Target
+from oitbench.shading import OCCLUDERS, PUBLISHED, SLICES, ShadingSettings
 
-KEPT = 4
-"""Downsampling factor of the filter per axis."""
 _DEPTH, _MAP = Target("depth32f"), Target("r32f")
-_MOMENTS = Target("rg32f")
-_SHADER, _TAPS = "shadow_map.glsl", 15
+_MOMENTS = {PUBLISHED: Target("rg32f"), OCCLUDERS: Target("rgba32f")}
+_SHADER = "shadow_map.glsl"
 _LIGHT_VIEW = {LIGHT_VIEW: 1}
 _DRAWN, _FILTERED = "shadow maps", "variance maps"
 
@@ -42,19 +43,18 @@ class ShadowMaps(Owner):
         Running effects, which determine the maps that exist.
     projection : Projection
         View of the scene from the beam.
-    side : int
-        Texels along each side of the depth maps; a multiple of `KEPT`.
+    settings : ShadingSettings
 
     Attributes
     ----------
     opaque : bool
         Whether there is a map of opaque surfaces.
     channels : int
-        Number of variance maps: 0, 1 for gray light, or 3.
+        Number of maps of transparent surfaces: 0, 1 for gray light, or 3.
     textures : dict of str to moderngl.Texture
         All maps by name.
-    finished : dict of str to moderngl.Texture
-        Maps that shading reads: "opaque", and the variance maps "filtered0" and so on.
+    finished : dict of str to texture
+        Maps that shading reads: "opaque", and "filtered0" and so on, or "slices0" and so on.
     """
 
     def __init__(
@@ -63,36 +63,50 @@ class ShadowMaps(Owner):
         geometry: Geometry,
         effects: Effect,
         projection: Projection,
-        side: int,
+        settings: ShadingSettings,
     ) -> None:
         super().__init__()
+        side = settings.shadow_map
+        self._settings = settings
         translucent = bool(effects & Effect.TRANSLUCENT_SHADOWS) and len(geometry.casting) > 0
         self.opaque = bool(effects & Effect.SHADOWS)
         colored = bool(effects & Effect.COLORED_SHADOWS)
         self.channels = (3 if colored else 1) if translucent else 0
         self._geometry = geometry
         self._blueprint = Blueprint("shadow maps", effects=effects & Effect.CAUSTICS)
-        sizes = self._sizes(side)
+        self._slices: OpacitySlices | None = None
+        sizes = self._sizes(side, settings.small_side)
         kinds = {"opaque": _DEPTH, "map": _MAP}
-        targets = {name: kinds.get(name.rstrip("012"), _MOMENTS) for name in sizes}
+        moments = _MOMENTS.get(settings.translucent, _MAP)
+        targets = {name: kinds.get(name.rstrip("012"), moments) for name in sizes}
         with self.building():
             block = projection.block((side, side), origin=geometry.origin)
             view = self.own(device.context.buffer(block))
             self._chain = self.own(Chain(device, geometry, targets, sizes, view))
             self._compile()
+            if self.channels and settings.translucent == SLICES:
+                self._slices = self.own(
+                    OpacitySlices(device, geometry, effects, projection, settings, self.channels)
+                )
         self.textures = self._chain.textures
-        names = [
-            *(["opaque"] if self.opaque else []),
-            *map("filtered{}".format, range(self.channels)),
-        ]
-        self.finished = {name: self.textures[name] for name in names}
-        for name in names[int(self.opaque) :]:
-            self.finished[name].filter = (moderngl.LINEAR, moderngl.LINEAR)
+        self.finished: dict[str, Sampled] = {}
+        if self.opaque:
+            self.finished["opaque"] = self.textures["opaque"]
+        if self._slices is not None:
+            self.finished |= self._slices.textures
+        elif self.channels:
+            for name in map("filtered{}".format, range(self.channels)):
+                self.textures[name].filter = (moderngl.LINEAR, moderngl.LINEAR)
+                self.finished[name] = self.textures[name]
 
-    def _sizes(self, side: int) -> dict[str, tuple[int, int]]:
-        small = side // KEPT
+    @property
+    def _variance(self) -> bool:
+        """Whether there are variance maps."""
+        return self.channels > 0 and self._settings.translucent != SLICES
+
+    def _sizes(self, side: int, small: int) -> dict[str, tuple[int, int]]:
         sizes = {"opaque": (side, side)} if self.opaque else {}
-        if self.channels:
+        if self._variance:
             sizes |= {f"map{k}": (side, side) for k in range(self.channels)}
             sizes |= {"moments": (side, side), "across": (small, side)}
             sizes |= {f"filtered{k}": (small, small) for k in range(self.channels)}
@@ -111,7 +125,7 @@ class ShadowMaps(Owner):
                     _SHADER, depth="opaque", defines={"BINARY": 1, "GRAY": 1} | _LIGHT_VIEW
                 )
                 chain.add(binary, blueprint, _DRAWN, geometry.casting)
-        if self.channels:
+        if self._variance:
             maps = tuple(f"map{k}" for k in range(self.channels))
             draw = Gather(
                 _SHADER,
@@ -122,19 +136,23 @@ class ShadowMaps(Owner):
                 defines=_LIGHT_VIEW | ({"GRAY": 1} if self.channels == 1 else {}),
             )
             chain.add(draw, blueprint, _DRAWN, geometry.casting)
-        for channel in range(self.channels):
-            self._add_filters(channel)
+            for channel in range(self.channels):
+                self._add_filters(channel)
 
     def _add_filters(self, channel: int) -> None:
-        taps = {"map": 1, "opaque": 1} if self.opaque else {"map": 1}
+        alone = self._settings.translucent == OCCLUDERS
+        form = {"OCCLUDERS": 1} if alone else {}
+        opaque = {"opaque": 1} if self.opaque and not alone else {}
+        taps = {"map": 1} | opaque
         convert = Resolve(
             "shadow_moments.glsl",
             reads=tuple(taps),
             writes={"moments": REPLACE},
-            defines={"OPAQUE": 1} if self.opaque else {},
+            defines=form | {name.upper(): 1 for name in opaque},
         )
         names = {"map": f"map{channel}"}
         self._chain.add(convert, self._blueprint, _FILTERED, taps=taps, names=names)
+        factor = self._settings.downsampling
         for source, result, defines in (
             ("moments", "across", {"ACROSS": 1}),
             ("across", f"filtered{channel}", {}),
@@ -143,20 +161,47 @@ class ShadowMaps(Owner):
                 "shadow_tent.glsl",
                 reads=("source",),
                 writes={"filtered": REPLACE},
-                defines=defines,
+                defines=defines | form | {"DOWNSAMPLING": factor},
             )
             names = {"source": source, "filtered": result}
-            taps = {"source": _TAPS}
+            taps = {"source": 4 * factor - 1}
             self._chain.add(tent, self._blueprint, _FILTERED, taps=taps, names=names)
 
     def issue(self, lap: Lap = no_lap) -> None:
-        """Draw and filter all maps; `lap` ends "shadow maps" and "variance maps"."""
+        """Draw and filter all maps; `lap` ends each stage."""
         self._chain.issue(lap=lap)
+        if self._slices is not None:
+            self._slices.issue(lap)
 
     def measure(self, into: Measurement) -> None:
-        """Draw and filter all maps, and add "shadow maps" and "variance maps" to `into`."""
+        """Draw and filter all maps, and add the records of all stages to `into`."""
         self._chain.measure(into)
+        if self._slices is not None:
+            self._slices.measure(into)
 
     def memory(self) -> list[tuple[str, int]]:
         """Return (map, bytes)."""
-        return self._chain.memory()
+        return [*self._chain.memory(), *(self._slices.memory() if self._slices else [])]
+
+    def visibility(self, number: int) -> str:
+        """Return the GLSL that computes the part of beam `number` that arrives."""
+        lines = [
+            f"MapPlace at = place_in_map({number}, receiver.position);",
+            "if (!at.inside) return lit;",
+        ]
+        if self._slices is not None:
+            lines.append(f"lit = {self._slices.visibility(number)};")
+        elif self.channels:
+            alone = self._settings.translucent == OCCLUDERS
+            name, last = ("occluder", ", receiver.kind") if alone else ("published", "")
+            reads = [
+                f"{name}_visibility(filtered{k}_map{number}, at.uv, at.distance{last})"
+                for k in range(self.channels)
+            ]
+            lines.append(f"lit = vec3({', '.join(reads)});")
+        if self.opaque:
+            lines += [
+                f"at = place_in_map({number}, off_surface({number}, receiver, 2.0));",
+                f"lit = min(lit, vec3(opaque_visibility(opaque_map{number}, {number}, at)));",
+            ]
+        return "".join(f"        {line}\n" for line in lines)

@@ -10,16 +10,11 @@ import numpy as np
 from oitbench.path_traced.optics.reflection import schlick
 from oitbench.path_traced.trace.hits import Hit
 from oitbench.path_traced.trace.lights import TracedEnvironment
-from oitbench.scene import EnvironmentLight, Floats
+from oitbench.scene import EnvironmentLight
+from oitbench.scene.environment import cosine_weight, even_points, mean_radiance, weighted_means
 
-PATCHES = 64
-"""Rows of the patches of the sphere over which radiance is integrated; twice as many columns."""
-NODES = 65
-"""Rows of the table of irradiance, from straight up to straight down."""
 LOBE_SAMPLES = 512
 """Directions by which the integral over a microfacet lobe is computed."""
-_PLASTIC = 0.7548776662466927, 0.5698402909980532
-"""Steps of the R₂ sequence, which covers the unit square evenly (Roberts 2018)."""
 
 
 class OpenEnvironment:
@@ -43,10 +38,10 @@ class OpenEnvironment:
 
     Notes
     -----
-    The irradiance is interpolated in a table of `NODES` rows; its error is below 0.1 % for maps
-    whose features span some degrees. The lobe is sampled by its visible normals, at `LOBE_SAMPLES`
-    points that are the same everywhere. Where the map has a bright patch of ten degrees, its error
-    stays below 3 %.
+    The irradiance is interpolated in the table that OpenGL has, too; its error is below 0.1 % for
+    maps whose features span some degrees. The lobe is sampled by its visible normals, at
+    `LOBE_SAMPLES` points that are the same everywhere. Where the map has a bright patch of ten
+    degrees, its error stays below 3 %.
     """
 
     def __init__(
@@ -58,10 +53,9 @@ class OpenEnvironment:
         self.mean = mitsuba.Color3f(0)
         if not self.lights or light is None:
             return
-        flux, directions = patches_of(light.texels)
-        mean = (flux.sum(axis=0) / (4 * math.pi)).tolist()
+        mean = mean_radiance(light.texels).tolist()
         self.mean = mitsuba.Color3f(drjit.opaque(mitsuba.Vector3f, mean))
-        table = irradiance_table(flux, directions).astype(np.float32)
+        table = (math.pi * weighted_means(light.texels, cosine_weight)).astype(np.float32)
         # Longitude wraps: the first column repeats behind the last one.
         wide = np.concatenate([table, table[:, :1]], axis=1)
         self._table = mitsuba.Texture2f(
@@ -70,10 +64,8 @@ class OpenEnvironment:
             wrap_mode=drjit.WrapMode.Clamp,
             use_accel=False,
         )
-        index = np.arange(LOBE_SAMPLES)
-        self._points = [
-            mitsuba.Float(((0.5 + index * step) % 1).astype(np.float32)) for step in _PLASTIC
-        ]
+        points = even_points(LOBE_SAMPLES).T.astype(np.float32)
+        self._points = [mitsuba.Float(np.ascontiguousarray(axis)) for axis in points]
 
     def irradiance(self, n: Any) -> Any:
         """Return the irradiance of a surface with the unit normal `n`, Color3f."""
@@ -123,74 +115,3 @@ class OpenEnvironment:
         mirror = 2 * drjit.dot(hit.n, v) * hit.n - v
         sharp = layer.fresnel * self.radiance(mirror)
         return drjit.select(a > 0, drjit.select(glossy, rough, 0), sharp)
-
-
-def patches_of(texels: Floats) -> tuple[Floats, Floats]:
-    """Return the light of patches of the sphere, and the directions of their middles.
-
-    Parameters
-    ----------
-    texels : array, shape (h, w, 3)
-        Radiance by latitude and longitude; bilinear in between, as `TracedEnvironment.radiance`.
-
-    Returns
-    -------
-    flux : array, shape (n, 3)
-        Radiance times solid angle.
-    directions : array, shape (n, 3)
-        Unit vectors.
-    """
-    rows, columns = PATCHES, 2 * PATCHES
-    fine = [
-        count * max(1, math.ceil(2 * side / count))
-        for count, side in zip((rows, columns), texels.shape[:2], strict=True)
-    ]
-    polar, longitude = ((np.arange(count) + 0.5) / count for count in fine)
-    radiance = _bilinear(texels, polar, longitude)
-    edges = np.cos(np.linspace(0, math.pi, fine[0] + 1))
-    flux = radiance * ((edges[:-1] - edges[1:]) * (2 * math.pi / fine[1]))[:, None, None]
-    down, across = fine[0] // rows, fine[1] // columns
-    flux = flux.reshape(rows, down, columns, across, 3).sum(axis=(1, 3))
-    middle = _directions(
-        (np.arange(rows) + 0.5) / rows * math.pi,
-        ((np.arange(columns) + 0.5) / columns - 0.5) * 2 * math.pi,
-    )
-    return flux.reshape(-1, 3), middle.reshape(-1, 3)
-
-
-def irradiance_table(flux: Floats, directions: Floats) -> Floats:
-    """Return ∫ L max(n·l, 0) dl for the normals of a table, shape (rows, columns, 3).
-
-    Rows run from straight up to straight down, both included. Columns begin straight ahead (−z) and
-    run to the right.
-    """
-    columns = 2 * (NODES - 1)
-    normals = _directions(
-        np.linspace(0, math.pi, NODES), np.arange(columns) / columns * 2 * math.pi
-    )
-    return np.stack([np.maximum(row @ directions.T, 0) @ flux for row in normals])
-
-
-def _directions(polar: Floats, longitude: Floats) -> Floats:
-    """Return unit vectors, shape (rows, columns, 3)."""
-    sine = np.sin(polar)[:, None]
-    y = np.broadcast_to(np.cos(polar)[:, None], (len(polar), len(longitude)))
-    return np.stack([sine * np.sin(longitude), y, -sine * np.cos(longitude)], axis=-1)
-
-
-def _bilinear(texels: Floats, polar: Floats, longitude: Floats) -> Floats:
-    """Return texels between their centers: clamped in latitude, wrapped in longitude.
-
-    Places are fractions of the map.
-    """
-    for axis, places in ((0, polar), (1, longitude)):
-        count = texels.shape[axis]
-        at = places * count - 0.5
-        at = np.clip(at, 0, count - 1) if axis == 0 else at
-        low = np.floor(at).astype(int)
-        shape = [-1 if axis == one else 1 for one in range(3)]
-        part = (at - low).reshape(shape)
-        high = np.minimum(low + 1, count - 1) if axis == 0 else low + 1
-        one, other = (np.take(texels, index % count, axis=axis) for index in (low, high))
-        texels = one + part * (other - one)
-    return texels

@@ -9,6 +9,7 @@ import numpy as np
 from oitbench.path_traced.trace.hits import NO_FACE, Line
 from oitbench.path_traced.trace.lights import TracedBeam
 from oitbench.path_traced.trace.medium import TracedMedium
+from oitbench.scene import Floats
 
 STEPS = 128
 """Steps of a march over the diagonal of the medium's box; shorter ways have fewer."""
@@ -23,13 +24,16 @@ class SingleScattering:
     ----------
     mitsuba, drjit : module
     medium : TracedMedium
+    ambient : array, shape (3,)
+        Radiance from all sides that is not a beam.
     """
 
-    def __init__(self, mitsuba: Any, drjit: Any, medium: TracedMedium) -> None:
+    def __init__(self, mitsuba: Any, drjit: Any, medium: TracedMedium, ambient: Floats) -> None:
         self._mitsuba, self._drjit, self._medium = mitsuba, drjit, medium
         low, high = np.asarray(medium.medium.low), np.asarray(medium.medium.high)
         length = float(np.linalg.norm(high - low)) / STEPS
         self._step = drjit.opaque(mitsuba.Float, max(length, 1e-30))
+        self._ambient = mitsuba.Color3f(drjit.opaque(mitsuba.Vector3f, ambient.tolist()))
 
     def transmittance(self, line: Line, end: Any, active: Any) -> Any:
         """Return the transmittance of a line up to `end` meters.
@@ -57,7 +61,6 @@ class SingleScattering:
         end: Any,
         beams: list[TracedBeam],
         visibility: Any,
-        ambient: Any,
         start: Any,
         active: Any,
     ) -> tuple[Any, Any]:
@@ -70,8 +73,6 @@ class SingleScattering:
         beams : list of TracedBeam
         visibility : callable
             Maps a line, its end and a mask to the part of a beam that arrives.
-        ambient : Color3f
-            Radiance from all sides.
         start : Float
             Place within each step at which light and density are sampled, in [0, 1).
         active : Bool
@@ -82,14 +83,14 @@ class SingleScattering:
         inside = active & (length > 0)
         if not beams and medium.density is None:
             passed = drjit.select(inside, drjit.exp(-medium.majorant * length), 1)
-            return (1 - passed) * medium.albedo * ambient, passed
+            return (1 - passed) * medium.albedo * self._ambient, passed
         count = drjit.clip(drjit.ceil(length / self._step), 1, STEPS)
         part = length / count
 
         def step(index: Any, light: Any, passed: Any, active: Any) -> tuple[Any, ...]:
             at = near + (index + start) * part
             p = line.o + line.d * drjit.select(active, at, 0)
-            source = mitsuba.Color3f(ambient)
+            source = mitsuba.Color3f(self._ambient)
             for beam in beams:
                 toward, distance, arriving = beam.toward(p)
                 leaving = Line(p, toward, mitsuba.Float(0), mitsuba.UInt32(NO_FACE))

@@ -32,6 +32,7 @@ from oitbench.path_traced.trace.lights import TracedEnvironment
 from oitbench.path_traced.trace.medium import TracedMedium
 from oitbench.path_traced.trace.surfaces import Surfaces
 from oitbench.scene import Scene
+from oitbench.scene.environment import ambient_of_medium
 
 _CHUNK = 1 << 16
 """Rays that are traced at once."""
@@ -123,7 +124,8 @@ class _Stage:
         self._environment = OpenEnvironment(*modules, scene.environment, traced)
         self._medium = None
         if Effect.VOLUME in effects and scene.medium is not None:
-            self._medium = SingleScattering(*modules, TracedMedium.build(*modules, scene.medium))
+            fog = TracedMedium.build(*modules, scene.medium)
+            self._medium = SingleScattering(*modules, fog, ambient_of_medium(scene))
         self._openness = None
         if Effect.AMBIENT_OCCLUSION in effects:
             radius = scene.ambient_occlusion

@@ -73,7 +73,7 @@ class Shading:
             value = hit.scattering(drjit, toward, "reflectance" in self._has) * arriving
             lit = active & drjit.any(value > 0)
             line = hit.leaving(mitsuba, drjit, toward)
-            part = self.visibility.along(line, distance, lit)
+            part = self.visibility.along(line, hit.shadowed_up_to(drjit, distance), lit)
             total += drjit.select(lit, value * part, 0)
         return total
 

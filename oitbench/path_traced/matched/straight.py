@@ -101,9 +101,8 @@ class StraightWalk:
             start = sight.rng.next_float32(active)
             shading = self._shading
             found, passed = self._medium.march(
-                sight.line, hit.at, shading.beams, shading.visibility.along,
-                self._environment.mean, start, active,
-            )  # fmt: skip
+                sight.line, hit.at, shading.beams, shading.visibility.along, start, active
+            )
             sight.light = sight.light + sight.throughput * found
             sight.throughput = sight.throughput * passed
         around = self._environment.radiance(sight.line.d)

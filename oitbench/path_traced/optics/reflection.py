@@ -9,6 +9,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+from oitbench.scene import LEAST_LOBE
+
 
 def schlick(drjit: Any, reflectance: Any, cosine: Any) -> Any:
     """Return the Fresnel reflectance (Schlick 1994); zero where `reflectance`, F₀, is zero."""
@@ -18,17 +20,22 @@ def schlick(drjit: Any, reflectance: Any, cosine: Any) -> Any:
 
 
 def microfacets(drjit: Any, reflectance: Any, roughness: Any, n: Any, v: Any, toward: Any) -> Any:
-    """Return the microfacet lobe times the cosine of `toward`, sr⁻¹ (GGX; Walter et al. 2007)."""
-    a2 = drjit.square(drjit.square(roughness))
+    """Return the microfacet lobe times the cosine of a beam from `toward`, sr⁻¹.
+
+    It is that of GGX (Walter et al. 2007), with a roughness of at least `LEAST_LOBE`.
+    """
+    a2 = drjit.square(drjit.square(drjit.maximum(roughness, LEAST_LOBE)))
     nl, nv = drjit.dot(n, toward), drjit.maximum(drjit.dot(n, v), 1e-4)
     half = drjit.normalize(toward + v)
     nh = drjit.clip(drjit.dot(n, half), 0, 1)
-    density = a2 / drjit.maximum(drjit.pi * drjit.square(nh * nh * (a2 - 1) + 1), 1e-20)
+    # (n·h)² (a² − 1) + 1 without the difference of nearly equal numbers: 1 − (n·h)² = |n × h|².
+    spread = drjit.squared_norm(drjit.cross(n, half)) + nh * nh * a2
+    density = a2 / drjit.maximum(drjit.pi * drjit.square(spread), 1e-20)
     shared = nl * drjit.safe_sqrt(nv * nv * (1 - a2) + a2)
     shared += nv * drjit.safe_sqrt(nl * nl * (1 - a2) + a2)
     lobe = density * 0.5 / drjit.maximum(shared, 1e-8)
     lobe *= schlick(drjit, reflectance, drjit.dot(half, v)) * nl
-    return drjit.select((a2 > 0) & (reflectance > 0) & (nl > 0), lobe, 0)
+    return drjit.select((reflectance > 0) & (nl > 0), lobe, 0)
 
 
 def sample_reflection(mitsuba: Any, drjit: Any, roughness: Any, n: Any, v: Any, two: Any) -> Any:

@@ -14,6 +14,7 @@ from pathlib import Path
 
 import msgspec
 
+from oitbench.effects import names
 from oitbench.errors import UsageError
 from oitbench.fingerprints.scene import scene_fingerprint
 from oitbench.path_traced.references import storage
@@ -74,7 +75,7 @@ def find(wanted: Wanted, folders: Iterable[Path]) -> Found:
             continue
         if found is None or found.rendering.ssaa != wanted.grid:
             continue
-        changed = _changed(found.rendering, current)
+        changed = _changed(found.rendering, current, names(wanted.effects))
         if not changed:
             return Found(found, "; ".join(messages))
         stale = stale or (folder, found)
@@ -85,9 +86,11 @@ def find(wanted: Wanted, folders: Iterable[Path]) -> Found:
     return Found(None, "; ".join(messages), stale)
 
 
-def _changed(rendering: Rendering, fingerprint: str) -> str:
+def _changed(rendering: Rendering, fingerprint: str, effects: list[str]) -> str:
     if rendering.fingerprint != fingerprint:
         return "the scene"
+    if rendering.effects != effects:
+        return "the set of effects"
     return "" if rendering.tracer == TRACER else "the path tracer"
 
 

@@ -93,6 +93,10 @@ class Hit:
         start = STEP * drjit.max(drjit.abs(self.si.p))
         return Line(mitsuba.Point3f(self.si.p), mitsuba.Vector3f(toward), start, self.face)
 
+    def shadowed_up_to(self, drjit: Any, distance: Any) -> Any:
+        """Return the part of the `distance` to a beam in which surfaces block its light."""
+        return drjit.select(self.layer.unshadowed, 0, distance)
+
     def scattering(self, drjit: Any, toward: Any, glossy: bool) -> Any:
         """Return α times the part of light from `toward` that is scattered to the eye, sr⁻¹.
 
@@ -123,9 +127,9 @@ class Layer:
         F at the angle of incidence.
     reflectance, roughness : Float
         F₀, and the square root of GGX's α.
-    opaque, isotropic, refracts : Bool
-        Whether no light passes, and whether it is a particle, or the boundary of a refracting
-        solid.
+    opaque, isotropic, unshadowed, refracts : Bool
+        Whether no light passes, and whether it is a particle, receives no shadows, or is the
+        boundary of a refracting solid.
     index, facets : Float
         Refractive index, and roughness α of the Beckmann microfacets, of a refracting solid.
     absorption : Color3f
@@ -144,6 +148,7 @@ class Layer:
     roughness: Any
     opaque: Any
     isotropic: Any
+    unshadowed: Any
     refracts: Any
     index: Any
     facets: Any

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from oitbench.scene import PENUMBRA, RGB, Array, DirectionalLight, Scene, SpotLight, Texture, unit
+from oitbench.scene.environment import bilinear, mean_radiance
 
 LEAST_SIDE = 4
 """Least number of texels along a side of the map by which directions are sampled."""
@@ -138,9 +139,7 @@ class TracedEnvironment:
             wrap_mode=drjit.WrapMode.Clamp,
             use_accel=False,
         )
-        rows = len(texels)
-        weight = np.sin((np.arange(rows) + 0.5) / rows * math.pi)
-        mean = (texels.mean(axis=1) * weight[:, None]).sum(axis=0) / weight.sum()
+        mean = mean_radiance(light.texels)
         emitter = _direction_sampler(mitsuba, texels) if texels.any() else None
         lights = emitter is not None
         return cls(mitsuba, drjit, lights, tuple(mean.tolist()), None, texture, emitter)
@@ -197,14 +196,21 @@ class TracedEnvironment:
 
 
 def _direction_sampler(mitsuba: Any, texels: Array) -> Any:
-    """Return a Mitsuba emitter that samples directions by the radiance of a map.
+    """Return a Mitsuba emitter that samples directions in proportion to the radiance of a map.
 
-    Mitsuba's maps begin at −z, which is the middle of the maps of a scene, and are offset by half a
-    texel. The emitter therefore gives probabilities only; `TracedEnvironment.radiance` gives the
-    radiance.
+    Mitsuba's maps have rows at equal steps from straight up to straight down, both included. Their
+    columns are as wide as those of a scene, but begin at −z, which is the middle of the maps of a
+    scene. With 2H + 1 rows for H, and an odd multiple of the columns, the emitter's map has all
+    middles of texels and all places between two of them. It is thus the same bilinear function.
+    The emitter only gives probabilities; `TracedEnvironment.radiance` gives the radiance.
     """
-    factors = [-(-LEAST_SIDE // side) for side in texels.shape[:2]]
-    larger = texels.repeat(factors[0], axis=0).repeat(factors[1], axis=1)
-    turned = np.roll(larger, larger.shape[1] // 2, axis=1)
-    bitmap = mitsuba.Bitmap(np.ascontiguousarray(turned, dtype=np.float32))
+    height, width = texels.shape[:2]
+    rows = max(2 * height, LEAST_SIDE)
+    columns = width * (LEAST_SIDE // width + 1 if width < LEAST_SIDE else 1)
+    nodes = bilinear(
+        np.asarray(texels, dtype=np.float64),
+        np.arange(rows + 1) / rows,
+        ((np.arange(columns) + 0.5) / columns + 0.5) % 1,
+    )
+    bitmap = mitsuba.Bitmap(np.ascontiguousarray(nodes, dtype=np.float32))
     return mitsuba.load_dict({"type": "envmap", "bitmap": bitmap})

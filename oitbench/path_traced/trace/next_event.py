@@ -74,7 +74,8 @@ class LightSampler:
             toward, distance, arriving = beam.toward(hit.si.p)
             value = hit.scattering(drjit, toward, self._glossy) * arriving
             lit = active & drjit.any(value > 0)
-            part = self._transmittance(hit.leaving(mitsuba, drjit, toward), distance, lit)
+            limit = hit.shadowed_up_to(drjit, distance)
+            part = self._transmittance(hit.leaving(mitsuba, drjit, toward), limit, lit)
             total += drjit.select(lit, value * part, 0)
         return total
 
@@ -88,9 +89,8 @@ class LightSampler:
         for light in self._beams:
             toward, distance, arriving = light.toward(hit.si.p)
             value = throughput * hit.scattering(drjit, toward, self._glossy) * arriving
-            found = Candidate(
-                hit.leaving(mitsuba, drjit, toward), distance, value, drjit.mean(value)
-            )
+            limit = hit.shadowed_up_to(drjit, distance)
+            found = Candidate(hit.leaving(mitsuba, drjit, toward), limit, value, drjit.mean(value))
             assert beam is not None
             beam, rng = beam.add(mitsuba, drjit, found, rng, active)
         if environment is not None:

@@ -9,20 +9,18 @@ import pytest
 
 from oitbench.modeling.mesh import quad
 from oitbench.path_traced.export.view import View
-from oitbench.path_traced.matched.environment import irradiance_table, patches_of
 from oitbench.path_traced.trace.render import render
 from oitbench.scene import (
     Camera,
     DirectionalLight,
     EnvironmentLight,
-    Floats,
     Material,
     Object,
     Scene,
     SpotLight,
-    Texture,
     unit,
 )
+from tests.models import environment as model
 from tests.path_traced.agreement import needs_mitsuba
 from tests.path_traced.matched.scenes import ABOVE, PAPER, SIZE, SUN, floor, image
 
@@ -74,44 +72,15 @@ def test_a_gloss_has_the_highlight_of_the_path_tracer() -> None:
 
 def test_equal_pictures_are_equal_bit_for_bit() -> None:
     objects = (floor(Material(albedo=PAPER, specular=0.2, roughness=0.5)), *PANES)
-    scene = Scene("twice", ABOVE, objects, lights=(SUN, SPOT, EnvironmentLight(_sky())))
+    scene = Scene("twice", ABOVE, objects, lights=(SUN, SPOT, EnvironmentLight(model.sky())))
     np.testing.assert_array_equal(image(scene), image(scene))
-
-
-def _sky() -> Texture:
-    """Return a map that is linear in height but for a green patch to the right (+x)."""
-    y = np.cos((np.arange(64) + 0.5) / 64 * math.pi)
-    texels = np.repeat((1 + 0.5 * y)[:, None, None] * np.array([1.0, 0.5, 2.0]), 128, axis=1)
-    texels[24:36, 90:102, 1] = 6.0
-    return Texture(texels.astype(np.float32))
-
-
-def _around(count: int = 256) -> tuple[Floats, Floats, Floats]:
-    """Return directions, their radiance by `_sky` without interpolation, and solid angles."""
-    texels = _sky().texels.astype(np.float64)
-    polar = (np.arange(count) + 0.5) / count * math.pi
-    longitude = ((np.arange(2 * count) + 0.5) / count - 1) * math.pi
-    up, around = np.meshgrid(polar, longitude, indexing="ij")
-    sine = np.sin(up)
-    d = np.stack([sine * np.sin(around), np.cos(up), -sine * np.cos(around)], axis=-1)
-    solid = sine * (math.pi / count) ** 2
-    radiance = texels.repeat(count // 64, axis=0).repeat(count // 64, axis=1)
-    return d.reshape(-1, 3), radiance.reshape(-1, 3), solid.ravel()
-
-
-def test_irradiance_of_a_linear_sky_has_its_closed_form() -> None:
-    y = np.cos((np.arange(256) + 0.5) / 256 * math.pi)
-    texels = np.broadcast_to((1 + 0.5 * y)[:, None, None], (256, 512, 3))
-    table = irradiance_table(*patches_of(texels))
-    expected = math.pi + math.pi / 3 * np.cos(np.linspace(0, math.pi, len(table)))
-    np.testing.assert_allclose(table, np.broadcast_to(expected[:, None, None], table.shape), 1e-3)
 
 
 @pytest.mark.parametrize("isotropic", [False, True])
 def test_a_matte_surface_gathers_the_whole_sky(isotropic: bool) -> None:
     material = Material(albedo=PAPER, isotropic=isotropic)
-    scene = Scene("matte", ABOVE, (floor(material),), lights=(EnvironmentLight(_sky()),))
-    d, radiance, solid = _around()
+    scene = Scene("matte", ABOVE, (floor(material),), lights=(EnvironmentLight(model.sky()),))
+    d, radiance, solid = model.around(model.sky())
     weight = 1 / (4 * math.pi) if isotropic else np.maximum(d[:, 1], 0) / math.pi
     expected = PAPER * ((weight * solid) @ radiance)
     np.testing.assert_allclose(image(scene), np.tile(expected, (30, 1)), rtol=4e-3)
@@ -124,8 +93,8 @@ def test_a_wall_gathers_the_sky_that_it_faces(normal: tuple[int, int, int]) -> N
     mesh = quad((0, 0, 0), tuple(right), tuple(np.cross(n, right)))
     camera = Camera(tuple(3 * n), fov_y=0.02, up=tuple(right))
     screen = Object("wall", mesh, Material(albedo=PAPER))
-    found = image(Scene("wall", camera, (screen,), lights=(EnvironmentLight(_sky()),)))
-    d, radiance, solid = _around()
+    found = image(Scene("wall", camera, (screen,), lights=(EnvironmentLight(model.sky()),)))
+    d, radiance, solid = model.around(model.sky())
     expected = PAPER * ((np.maximum(d @ n, 0) / math.pi * solid) @ radiance)
     np.testing.assert_allclose(found, np.tile(expected, (30, 1)), rtol=4e-3)
 
@@ -133,19 +102,9 @@ def test_a_wall_gathers_the_sky_that_it_faces(normal: tuple[int, int, int]) -> N
 @pytest.mark.parametrize(("roughness", "allowed"), [(0.5, 0.03), (1.0, 0.03)])
 def test_a_rough_mirror_integrates_its_lobe(roughness: float, allowed: float) -> None:
     gloss = floor(Material(specular=0.3, roughness=roughness))
-    scene = Scene("mirror", ABOVE, (gloss,), lights=(EnvironmentLight(_sky()),))
+    scene = Scene("mirror", ABOVE, (gloss,), lights=(EnvironmentLight(model.sky()),))
     _, directions = View(ABOVE, *SIZE).rays(0, SIZE[0] * SIZE[1])
-    d, radiance, solid = _around()
-    d, radiance, solid = (part[d[:, 1] > 0] for part in (d, radiance, solid))
-    a2 = roughness**4
-    expected = []
-    for v in -directions:
-        half = unit(v + d)
-        nl, nv, nh, hv = d[:, 1], v[1], half[:, 1], (half * v).sum(axis=1)
-        density = a2 / (math.pi * (nh**2 * (a2 - 1) + 1) ** 2)
-        shared = nl * np.sqrt(nv**2 * (1 - a2) + a2) + nv * np.sqrt(nl**2 * (1 - a2) + a2)
-        lobe = density * 0.5 / shared * (0.3 + 0.7 * (1 - hv) ** 5) * nl
-        expected.append((lobe * solid) @ radiance)
+    expected = [model.mirrored(model.sky(), (0, 1, 0), -v, 0.3, roughness) for v in directions]
     np.testing.assert_allclose(image(scene), expected, rtol=allowed)
 
 
