@@ -5,7 +5,8 @@ from __future__ import annotations
 import importlib.util
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 from types import ModuleType
@@ -28,6 +29,8 @@ from oitbench.places import GROUP, Names, Places, own_folder
 from oitbench.scene import Scene
 
 Plugin = TypeVar("Plugin")
+NEAREST, FARTHEST = 1e-3, 1e3
+"""Bounds of the near plane of a scene, meters."""
 
 
 @dataclass(frozen=True)
@@ -276,10 +279,34 @@ def _load_scene(path: Path) -> ScenePlugin:
         isinstance(key, str) and isinstance(item, Parameter) for key, item in parameters.items()
     ):
         raise DeclarationError(f"{path}: parameters is {parameters!r}; map names to oit.Parameter")
+    build = module.build
+    if hasattr(module, "near"):
+        parameters = {**parameters, "near": _near_plane(path, module.near)}
+        build = partial(_build_seen_from, build)
     return ScenePlugin(
-        _checked_name(path, path.stem), module.__doc__ or "", parameters, module.build,
+        _checked_name(path, path.stem), module.__doc__ or "", parameters, build,
         getattr(module, "quick", True),
     )  # fmt: skip
+
+
+def _near_plane(path: Path, near: object) -> Parameter[float]:
+    """Return the parameter `near` of a scene that states its near plane."""
+    if not isinstance(near, float) or not NEAREST <= near <= FARTHEST:
+        raise DeclarationError(
+            f"{path}: near is {near!r}; give a float from {NEAREST:g} to {FARTHEST:g} (meters)"
+        )
+    return Parameter(
+        near, low=NEAREST, high=FARTHEST, help="distance of the near plane from the camera, m"
+    )
+
+
+def _build_seen_from(build: Callable[..., Scene], *, near: float, **values: Any) -> Scene:
+    """Return what `build` returns, with the camera's near plane `near` meters away."""
+    scene = build(**values)
+    if not isinstance(scene, Scene):
+        return scene
+    camera = replace(scene.camera, near=near / scene.meters_per_unit)
+    return replace(scene, camera=camera)
 
 
 def _load_report(path: Path) -> ModuleType:

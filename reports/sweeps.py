@@ -1,9 +1,9 @@
 """Error over the value of one numeric parameter, of a scene, a method or the shared shading.
 
 A curve joins cells that differ in that parameter alone; it needs three values. The truth is the one
-that ranks methods under the effects of the cells. A dotted line marks the default.
-`python -m tests.benchmarks.sweeps` runs the sweeps of the near plane and of the parameters of
-phenomenological transparency.
+that ranks methods under the effects of the cells; for settings of shading, which exact compositing
+shares, it is matched tracing. A dotted line marks the default. `python -m tests.benchmarks.sweeps`
+runs the sweeps of the near plane, of shadow maps and of phenomenological transparency.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ from oitbench.report.artifacts import Row
 from oitbench.report.cells import largest_noise_floor
 from oitbench.results.schema import Record
 from oitbench.shading import PARAMETERS as SHADING
-from oitbench.truths import TRUTHS
+from oitbench.truths import MATCHED, TRUTHS
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -73,8 +73,8 @@ class Curve:
 
     @property
     def truth(self) -> str:
-        """The truth that ranks methods under the effects of these cells."""
-        return self.cells[0].ranking_truth
+        """The truth that ranks methods; for shading, which exact compositing shares, `MATCHED`."""
+        return MATCHED if self.axis.owner == "shading" else self.cells[0].ranking_truth
 
     @property
     def text(self) -> str:

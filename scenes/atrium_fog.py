@@ -8,14 +8,17 @@ detail : float
     Factor on the number of triangles.
 extinction : float
     Extinction coefficient σ of the fog, m⁻¹.
+near : float
+    Distance of the near plane from the camera, m. The fog begins at the camera.
 
 Surfaces glow as they would under an overcast sky, about as brightly as the sky itself. The fog
-scatters equally to all sides, so that it receives nearly the same light from all of them. Its
-effect then has a closed form: at distance s, a surface of radiance C₀ appears as
+scatters equally to all sides, and its ambient radiance is the mean of what it receives from the
+sky, the walls and the floor in a path-traced picture. Its effect then has a closed form: at
+distance s, a surface of radiance C₀ appears as
 
     C₀ e^(−σs) + L (1 − e^(−σs)),
 
-where L is the albedo of the fog times the ambient radiance. Banners of the same paints hang at
+where L is the albedo of the fog times its ambient radiance. Banners of the same paints hang at
 several distances for comparison.
 """
 
@@ -46,6 +49,7 @@ from oitbench.scene import (
 )
 
 quick = False
+near = 0.1
 parameters = {
     "detail": DETAIL,
     "extinction": Parameter(
@@ -66,6 +70,8 @@ TILE = 1.2
 AMBIENT: RGB = (0.46, 0.49, 0.54)
 LIGHT: RGB = (1.0, 0.99, 0.97)  # radiance of a white surface that faces up
 FOG_ALBEDO: RGB = (0.62, 0.62, 0.62)
+# Radiance that arrives in the fog: half from the sky and half from the brown walls and the floor.
+AROUND: RGB = (0.355, 0.321, 0.300)
 # Radiance of a white surface that faces up, sideways and down, as fractions of LIGHT.
 FACING_UP, FACING_ASIDE, FACING_DOWN = 1.0, 0.8, 0.55
 SANDSTONE = Material(emission=(0.56, 0.46, 0.34))
@@ -88,6 +94,7 @@ def build(*, name: str, detail: float, extinction: float) -> Scene:
         low=(-AISLE - 0.2, -0.2, FAR - 0.2),
         high=(AISLE + 0.2, TOP + 0.6, NEAR + 0.8),
         albedo=FOG_ALBEDO,
+        ambient=AROUND,
     )
     return Scene(
         name=name,

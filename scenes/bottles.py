@@ -8,6 +8,9 @@ detail : float
     Factor on the number of triangles.
 coverage : float
     Coverage α of the plastic, in [0, 1].
+near : float
+    Distance of the near plane from the camera, m. The table begins at 0.79 m in the picture, and
+    the bottles stand at 0.9 to 1.05 m.
 
 A view ray meets up to four walls per bottle: the outer and the inner wall, at the front and at the
 back. Each bottle is one object whose mesh holds both walls, as a modeling program would export it.
@@ -40,6 +43,7 @@ from oitbench.scene import (
     Vector,
 )
 
+near = 0.7
 parameters = {
     "detail": DETAIL,
     "coverage": Parameter(0.94, low=0.0, high=1.0, help="coverage of the plastic"),

@@ -6,6 +6,8 @@ Parameters
 ----------
 detail : float
     Factor on the number of triangles.
+near : float
+    Distance of the near plane from the camera, m. The floor begins at 4.7 m in the picture.
 
 The balls have the refractive indices 1.0, 1.3 and 1.5. The first is a tinted volume that does not
 refract and casts an even shadow. The others focus light in the middle of their shadows, the more
@@ -36,6 +38,7 @@ from oitbench.scene import (
 )
 
 quick = False
+near = 4.2
 parameters = {
     "detail": DETAIL,
 }

@@ -10,6 +10,8 @@ alpha : float
     Coverage at the middle of a particle at detail 1, in [0, 1].
 seed : int
     Seed of the particles.
+near : float
+    Distance of the near plane from the camera, m. The nearest cloud is 290 m away.
 
 The sun is high on the left behind the viewer, so that the leftmost cloud casts its shadow on a part
 of the center one. Nothing in the scene is opaque.
@@ -29,6 +31,7 @@ from oitbench.parameters import Parameter
 from oitbench.scene import RGB, Camera, DirectionalLight, Mesh, Object, Scene, Vector, opposite
 
 quick = False
+near = 240.0
 parameters = {
     "detail": PARTICLE_DETAIL,
     "alpha": Parameter(
@@ -72,18 +75,19 @@ TALL = (
     (0.55, 0.05, -0.1, 0.48), (0.0, 0.0, 0.2, 0.5),
 )  # fmt: skip
 CLOUDS = (
-    Cloud("left cloud", (-85, 112, -326), 40.0, 420, BROAD),
-    Cloud("center cloud", (50, 28, -334), 50.0, 520, BROAD),
-    Cloud("right cloud", (104, 112, -320), 36.0, 320, TALL),
-    Cloud("far cloud", (150, 34, -520), 46.0, 260, BROAD),
+    Cloud("left cloud", (-58, 138, -322), 34.0, 700, BROAD),
+    Cloud("center cloud", (24, 64, -340), 53.0, 1100, BROAD),
+    Cloud("right cloud", (72, 142, -352), 31.0, 500, TALL),
+    Cloud("far cloud", (-112, 34, -520), 35.0, 450, BROAD),
 )
-PARTICLE_RADII = (0.20, 0.38)  # in units of the cloud's scale
+PARTICLE_RADII = (0.15, 0.29)  # in units of the cloud's scale
 FLATNESS = 0.75  # factor on the heights of the lobes
-SUNWARD: Vector = (-0.70, 0.72, 0.06)
-SUN: RGB = (10.5, 9.8, 8.8)  # irradiance
+SUNWARD: Vector = (-0.62, 0.76, 0.26)
+SUN: RGB = (9.6, 9.0, 8.1)  # irradiance
 SKY = (
-    (-30.0, (0.16, 0.19, 0.20)),
-    (-1.0, (0.36, 0.42, 0.46)),
+    (-90.0, (0.04, 0.05, 0.06)),
+    (-30.0, (0.10, 0.12, 0.14)),
+    (-5.0, (0.50, 0.58, 0.64)),
     (1.0, (0.60, 0.70, 0.78)),
     (12.0, (0.30, 0.48, 0.72)),
     (35.0, (0.10, 0.24, 0.52)),
@@ -93,7 +97,7 @@ SKY = (
 
 def build(*, name: str, detail: float, alpha: float, seed: int) -> Scene:
     """Return the clouds."""
-    camera = Camera(position=(0, 2, 0), target=(8, 70, -320), fov_y=math.radians(38), near=10.0)
+    camera = Camera(position=(0, 2, 0), target=(0, 92, -320), fov_y=math.radians(40))
     objects = []
     for stream, cloud in enumerate(CLOUDS):
         # With a stream of its own, no cloud depends on the number of particles of the others.

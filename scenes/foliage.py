@@ -10,6 +10,9 @@ light : str
     "baked" for light baked into radiance, "sky" for a sun and a sky.
 seed : int
     Seed of the leaves.
+near : float
+    Distance of the near plane from the camera, m. The ground begins at 3.4 m in the picture, and
+    the nearest plant at 3.5 m.
 
 The coverage of each leaf is a binary mask that only filtering makes smooth: opaque in the middle,
 partial along the outline, empty outside. Leaves transmit nothing. Under `light=baked` a plant is
@@ -69,6 +72,7 @@ from oitbench.scene import (
     opposite,
 )
 
+near = 3.0
 parameters = {
     "detail": DETAIL,
     "light": Parameter(

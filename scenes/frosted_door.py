@@ -8,6 +8,9 @@ detail : float
     Factor on the number of triangles.
 collimation : float
     Collimation of the pane, in [0, 1]; 1 for clear glass.
+near : float
+    Distance of the near plane from the camera, m. The frame of the door is 2.4 m away, and the pane
+    2.5 m.
 
 One pane spreads the light that passes it. Objects blur more the farther they are behind it: the
 woman's hand almost touches the glass and stays sharp, while the man two meters behind it and the
@@ -22,9 +25,9 @@ from dataclasses import replace
 
 from oitbench.modeling.detail import DETAIL, divisions
 from oitbench.modeling.mesh import grid, slab
-from oitbench.modeling.placement import merge, repeated, rotation, transform, translation
+from oitbench.modeling.placement import merge, repeated, rotation, translation
 from oitbench.modeling.props.lettering import lettering
-from oitbench.modeling.props.people import hand, limb, man, woman_without_arms
+from oitbench.modeling.props.people import Figure, hand, limb, man, woman_without_arms
 from oitbench.parameters import Parameter
 from oitbench.scene import (
     RGB,
@@ -39,6 +42,7 @@ from oitbench.scene import (
 )
 
 quick = False
+near = 2.2
 parameters = {
     "detail": DETAIL,
     "collimation": Parameter(
@@ -58,7 +62,7 @@ PALM: Vector = (0.01, 1.40, -0.045)
 WINDOW: Vector = (-0.15, 1.34, -DEPTH + 0.01)
 WINDOW_SIZE = (0.62, 0.47)
 BLINDS = 6
-DUSK: RGB = (0.006, 0.008, 0.012)
+DUSK: RGB = (0.030, 0.034, 0.042)
 
 GLASS = Material(transmission=(0.86, 0.90, 0.87), specular=0.04, roughness=0.0)
 WALL = Material(albedo=(0.50, 0.48, 0.44))
@@ -71,15 +75,23 @@ DRESS = Material(albedo=(0.45, 0.06, 0.07))
 COAT = Material(albedo=(0.10, 0.11, 0.13))
 STREET = Material(emission=(1.5, 1.15, 0.62))
 
+# Its cone ends on the dark panels, so that no edge of light shows on the walls.
 CORRIDOR_LAMP = SpotLight(
-    position=(0.55, 2.60, -3.7),
-    target=(0.0, 0.0, -3.2),
-    intensity=(12.0, 10.6, 8.0),
-    angle=math.radians(165),
+    position=(0.10, 2.68, -3.0),
+    target=(0.0, 0.0, -2.7),
+    intensity=(15.0, 13.2, 10.0),
+    angle=math.radians(74),
+)
+# Stands for the light that floor and panels reflect, which falls on the walls and the ceiling.
+FILL = SpotLight(
+    position=(0.0, 0.10, -3.3),
+    target=(0.0, 1.0, -3.3),
+    intensity=(8.0, 6.6, 4.7),
+    angle=math.radians(168),
 )
 DESK_LAMP = SpotLight(
-    position=(-1.7, 2.3, 2.3),
-    target=(0.15, 1.30, 0.0),
+    position=(-1.7, 1.15, 2.3),
+    target=(0.15, 1.40, 0.0),
     intensity=(13.0, 12.4, 11.2),
     angle=math.radians(80),
 )
@@ -92,8 +104,8 @@ def build(*, name: str, detail: float, collimation: float) -> Scene:
     pane = grid((*middle, 0), ((right - left) / 2, 0, 0), (0, (high - low) / 2, 0))
     objects = (
         *_corridor(detail),
-        Object("man", transform(man(detail), translation(MAN)), COAT),
-        Object("woman", _woman(detail), DRESS),
+        *man(detail).transformed(translation(MAN)).objects("man", COAT),
+        *_woman(detail).objects("woman", DRESS),
         Object("pane", pane, replace(GLASS, collimation=collimation)),
         Object("office wall", _office_wall(detail), OFFICE),
         Object("frame", _frame(), WOOD),
@@ -103,7 +115,7 @@ def build(*, name: str, detail: float, collimation: float) -> Scene:
         name=name,
         camera=Camera(position=(0.12, 1.42, 2.5), target=(0, 1.37, 0), fov_y=math.radians(40)),
         objects=objects,
-        lights=(CORRIDOR_LAMP, DESK_LAMP, EnvironmentLight(DUSK)),
+        lights=(CORRIDOR_LAMP, FILL, DESK_LAMP, EnvironmentLight(DUSK)),
     )
 
 
@@ -149,24 +161,21 @@ def _corridor(detail: float) -> tuple[Object, ...]:
     )
 
 
-def _woman(detail: float) -> Mesh:
+def _woman(detail: float) -> Figure:
     """Return the woman, turned sideways, with a hand close to the glass."""
-    body = transform(
-        woman_without_arms(detail), translation(WOMAN) @ rotation((0, 1, 0), math.radians(-25))
-    )
+    turned = translation(WOMAN) @ rotation((0, 1, 0), math.radians(-25))
+    body = woman_without_arms(detail).transformed(turned)
     x, _, z = WOMAN
     shoulder, elbow = (x - 0.16, 1.38, z + 0.05), (x - 0.26, 1.17, z + 0.16)
     other, hip = (x + 0.15, 1.38, z - 0.05), (x + 0.27, 1.10, z - 0.02)
-    return merge(
-        [
-            body,
-            limb(shoulder, elbow, 0.05, 0.036, detail),
-            limb(elbow, PALM, 0.036, 0.026, detail),
-            limb(other, hip, 0.05, 0.036, detail),
-            limb(hip, (x + 0.14, 0.98, z + 0.08), 0.036, 0.028, detail),
-            hand(PALM, detail),
-        ]
-    )
+    arms = [
+        limb(shoulder, elbow, 0.05, 0.036, detail),
+        limb(elbow, PALM, 0.036, 0.026, detail),
+        limb(other, hip, 0.05, 0.036, detail),
+        limb(hip, (x + 0.14, 0.98, z + 0.08), 0.036, 0.028, detail),
+        hand(PALM, detail),
+    ]
+    return Figure(body.clothes, merge([body.skin, *arms]), body.hair)
 
 
 def _office_wall(detail: float) -> Mesh:

@@ -8,6 +8,9 @@ detail : float
     Factor on the number of triangles.
 distance : float
     Distance from each pane back to the axis of its teapot, meters.
+near : float
+    Distance of the near plane from the camera, m. The floor begins at 1.7 m in the picture, and the
+    panes stand at 3 m.
 
 The panes are thin sheets whose collimation falls from left to right. All teapots are alike and
 equally far behind their panes, and go from sharp to blurred. A checkered box touches the back of
@@ -30,14 +33,16 @@ from oitbench.parameters import Parameter
 from oitbench.scene import RGB, Camera, DirectionalLight, Material, Object, Scene
 
 COLLIMATIONS = (1.0, 0.9, 0.75, 0.5, 0.25)
-PITCH, WIDTH, HEIGHT = 0.72, 0.64, 1.45
-TEAPOT_HEIGHT, TEAPOT_TURN = 0.33, math.radians(-22)
-BOX, RAIL = 0.2, 0.03
+PITCH, WIDTH, HEIGHT = 0.34, 0.315, 0.78
+TEAPOT_HEIGHT, TEAPOT_TURN = 0.26, math.radians(-56)
+SPREAD = 1.1
+"""Pitch of the teapots over that of the panes: each is seen in the middle of its pane."""
+BOX, RAIL = 0.12, 0.02
 """Edge lengths of the boxes and of the cross section of the rail, meters."""
-SQUARES = 4
+SQUARES = 2
 GAP = 0.001
 """Meters between surfaces that seem to touch: coincident ones have no right picture."""
-TILE, WALL = 0.24, -1.44
+TILE, WALL = 0.16, -1.28
 """Edge length of a tile of the floor, and z of the back wall, meters."""
 GLASS: RGB = (0.92, 0.92, 0.92)
 
@@ -50,10 +55,11 @@ PALE_PAPER = Material(albedo=(0.66, 0.68, 0.70), specular=0.0)
 BLUE_PAPER = Material(albedo=(0.30, 0.43, 0.52), specular=0.0)
 STEEL = Material(albedo=(0.10, 0.10, 0.11), specular=0.3, roughness=0.5)
 
+near = 1.55
 parameters = {
     "detail": DETAIL,
     "distance": Parameter(
-        0.45, low=0.4, high=1.5, help="meters from each pane back to the axis of its teapot"
+        0.38, low=0.3, high=1.0, help="meters from each pane back to the axis of its teapot"
     ),
 }
 
@@ -68,7 +74,7 @@ def build(*, name: str, detail: float, distance: float) -> Scene:
     cells = (divisions(8, detail, 2), divisions(16, detail, 2))
     for number, collimation in enumerate(COLLIMATIONS):
         x = PITCH * (number - (len(COLLIMATIONS) - 1) / 2)
-        place = translation((x + 0.06, GAP, -distance))
+        place = translation((SPREAD * x + 0.012, GAP, -distance))
         objects.append(Object(f"teapot {number}", transform(pot, place), CLAY))
         corner = (x - WIDTH / 2 + 0.6 * BOX, BOX / 2 + GAP, -BOX / 2 - GAP)
         light, dark = checkered_box(corner, (BOX, BOX, BOX), SQUARES)
@@ -79,7 +85,7 @@ def build(*, name: str, detail: float, distance: float) -> Scene:
         objects.append(Object(f"pane {number}", sheet, glass))
     return Scene(
         name=name,
-        camera=Camera(position=(0, 1.15, 4.3), target=(0, 0.5, 0), fov_y=math.radians(46)),
+        camera=Camera(position=(0, 0.66, 3.0), target=(0, 0.40, 0), fov_y=math.radians(33)),
         objects=tuple(objects),
         lights=(
             DirectionalLight(direction=(0.6, -0.85, -0.8), irradiance=(2.9, 2.8, 2.6)),
@@ -90,10 +96,10 @@ def build(*, name: str, detail: float, distance: float) -> Scene:
 
 def _stage() -> list[Object]:
     """Return the tiled floor, the striped wall, and the rail from which the panes hang."""
-    columns, rows = 40, 20
+    columns, rows = 40, 24
     across, middle = (columns * TILE / 2, 0.0, 0.0), WALL + rows * TILE / 2
     pale, gray = checkers((0, 0, middle), across, (0, 0, -rows * TILE / 2), columns, rows)
-    paper, stripes = checkers((0, 2.0, WALL), across, (0, 2.0, 0), columns // 2, 1)
+    paper, stripes = checkers((0, 1.0, WALL), across, (0, 1.0, 0), columns // 2, 1)
     length = PITCH * len(COLLIMATIONS)
     rail = box((0, HEIGHT + 2 * GAP + RAIL / 2, 0), (length, RAIL, RAIL))
     return [

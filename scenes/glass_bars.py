@@ -8,6 +8,8 @@ detail : float
     Factor on the number of triangles.
 reflection : float
     Largest radiance that a bar adds.
+near : float
+    Distance of the near plane from the camera, m. The bars hang at 4.3 to 5.3 m.
 
 Each bar is an object and a thin sheet that covers fully, transmits one saturated color and reflects
 almost nothing. Bars of one grid never overlap, and all bars of one grid are nearer than all of the
@@ -40,6 +42,7 @@ GLASS: dict[str, RGB] = {
 PITCH, WIDTH, LENGTH = 0.36, 0.24, 2.8  # of the bars, meters
 FRONT, BACK, PAPER = 0.35, -0.35, -1.1  # z of both grids and of the paper, meters
 
+near = 3.8
 parameters = {
     "detail": DETAIL,
     "reflection": Parameter(0.05, low=0.0, high=1.0, help="largest radiance that a bar adds"),

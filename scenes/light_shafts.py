@@ -8,6 +8,8 @@ detail : float
     Factor on the number of triangles.
 extinction : float
     Extinction coefficient of the fog where its density is one, m⁻¹.
+near : float
+    Distance of the near plane from the camera, m. The fog begins at the camera.
 
 The density of the fog is a grid of values, higher near the floor and in slow waves. The fog
 scatters forward, towards the camera. Piers and window bars cut the light into shafts. Stained glass
@@ -43,6 +45,7 @@ from oitbench.scene import (
 )
 
 quick = False
+near = 0.1
 parameters = {
     "detail": DETAIL,
     "extinction": Parameter(
@@ -66,6 +69,8 @@ PANES: dict[str, tuple[RGB, float, float]] = {
 }
 SUN = DirectionalLight(direction=(-0.68, -0.46, 0.55), irradiance=(20.0, 17.4, 13.5))
 SKY: RGB = (0.018, 0.022, 0.030)
+# Radiance that arrives in the fog from walls and other fog: the mean of a path-traced picture.
+AROUND: RGB = (0.045, 0.022, 0.014)
 STATUE: Vector = (0.6, 0.0, -4.8)
 PEDESTAL = 0.6
 COLUMNS = ((-2.6, -4.5), (-2.6, -7.5), (-2.6, -10.5))  # x and z
@@ -86,6 +91,7 @@ def build(*, name: str, detail: float, extinction: float) -> Scene:
         high=high,
         albedo=(0.92, 0.92, 0.92),
         anisotropy=0.5,
+        ambient=AROUND,
         density=sample_density(_density, low, high, (32, 24, 60)),
     )
     return Scene(
@@ -93,7 +99,7 @@ def build(*, name: str, detail: float, extinction: float) -> Scene:
         camera=Camera(position=(-1.7, 1.7, 2.4), target=(0.5, 2.35, -7.0), fov_y=math.radians(56)),
         objects=(*_hall(detail), *_furniture(detail), *_stained_glass()),
         lights=(SUN, EnvironmentLight(SKY)),
-        exposure=0.5,
+        exposure=1.0,
         medium=fog,
     )
 
@@ -154,7 +160,7 @@ def _furniture(detail: float) -> tuple[Object, ...]:
     stand = [(x, 0.0, z) for x, z in COLUMNS]
     x, y, z = STATUE
     turn = rotation((0, 1, 0), math.radians(35))
-    statue = transform(woman(detail), translation((x, y + PEDESTAL, z)) @ turn)
+    statue = transform(woman(detail).whole(), translation((x, y + PEDESTAL, z)) @ turn)
     pedestal = merge(
         [
             slab((x - 0.42, 0, z - 0.42), (x + 0.42, 0.12, z + 0.42)),

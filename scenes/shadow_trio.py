@@ -1,4 +1,4 @@
-"""A cloud of particles and a tinted glass ball above a light floor, with three kinds of shadow.
+"""A cloud of particles and a tinted glass ball above a tiled floor, with three kinds of shadow.
 
 Stands for figure 9 of McGuire & Mara 2017, "Phenomenological Transparency".
 
@@ -10,13 +10,16 @@ alpha : float
     Coverage at the middle of a particle at detail 1, in [0, 1].
 seed : int
     Seed of the particles.
+near : float
+    Distance of the near plane from the camera, m. The floor begins at 4.8 m in the picture, and
+    cloud and ball hang at 5.3 m.
 
 The option `--effects` chooses the kind of shadow. Under
 `-translucent_shadows,-colored_shadows,-caustics`, a surface that blocks at least half of the light
 blocks all of it: cloud and ball cast black shadows. Under `-caustics`, the shadow of the cloud
 depends on its thickness, and that of the ball is a disc of colored light. Under all requested
 effects, the ball focuses light in the middle of its shadow. The cloud shadows itself, so that its
-lower part is darker.
+lower part is darker. The tiles show how the ball bends the view.
 """
 
 from __future__ import annotations
@@ -26,8 +29,9 @@ import math
 import numpy as np
 
 from oitbench.modeling.detail import PARTICLE_DETAIL, copies, divisions
-from oitbench.modeling.mesh import quad, sphere
+from oitbench.modeling.mesh import sphere
 from oitbench.modeling.particles import fill, smoke, sprites
+from oitbench.modeling.patterns import checkers
 from oitbench.modeling.surroundings import gradient_sky
 from oitbench.parameters import Parameter
 from oitbench.scene import (
@@ -43,6 +47,7 @@ from oitbench.scene import (
 )
 
 quick = False
+near = 4.3
 parameters = {
     "detail": PARTICLE_DETAIL,
     "alpha": Parameter(
@@ -63,23 +68,27 @@ RADIUS = 0.52
 GLASS: RGB = (0.34, 0.48, 0.60)  # transmission of one wall of the ball
 SUNWARD: Vector = (-0.22, 1.0, -0.32)
 SUN: RGB = (3.4, 3.3, 3.1)  # irradiance
-SURROUNDINGS = ((-90.0, (0.10, 0.10, 0.10)), (0.0, (0.16, 0.17, 0.18)), (90.0, (0.10, 0.13, 0.18)))
+# The floor hides the lower half.
+SURROUNDINGS = ((-2.0, (0.0, 0.0, 0.0)), (0.0, (0.16, 0.17, 0.18)), (90.0, (0.10, 0.13, 0.18)))
+TILE, COLUMNS, ROWS, FRONT = 0.6, 40, 32, 4.2
+"""Edge length of a tile, their numbers, and z of the nearest edge, meters."""
+PALE_TILE = Material(albedo=(0.62, 0.61, 0.58), specular=0.0)
+DARK_TILE = Material(albedo=(0.48, 0.49, 0.50), specular=0.0)
 
 
 def build(*, name: str, detail: float, alpha: float, seed: int) -> Scene:
     """Return the floor, the cloud and the ball."""
-    camera = Camera(position=(0.0, 2.75, 4.75), target=(0.03, 0.66, 0.1), fov_y=math.radians(34))
+    camera = Camera(position=(0.0, 3.7, 5.3), target=(0.02, 0.62, 0.1), fov_y=math.radians(34))
     count = copies(PARTICLES, detail)
     vapor = smoke(alpha, 0.96, PARTICLES, count)
     glass = Material(transmission=GLASS, index=1.5, roughness=0.0, solid=True)
     slices = divisions(96, detail, 12)
+    length = ROWS * TILE / 2
+    middle, across = (0.0, 0.0, FRONT - length), (COLUMNS * TILE / 2, 0.0, 0.0)
+    pale, dark = checkers(middle, across, (0.0, 0.0, -length), COLUMNS, ROWS)
     objects = (
-        Object(
-            "floor",
-            quad((0, 0, 0), (30, 0, 0), (0, 0, -30)),
-            Material(albedo=(0.60, 0.60, 0.58), specular=0.0),
-            casts=False,
-        ),
+        Object("pale tiles", pale, PALE_TILE, casts=False),
+        Object("dark tiles", dark, DARK_TILE, casts=False),
         Object("cloud", _cloud(np.random.default_rng(seed), count, camera), vapor, particles=True),
         Object("ball", sphere(BALL, RADIUS, slices, slices // 2), glass),
     )

@@ -10,6 +10,8 @@ alpha : float
     Coverage at the middle of a particle at detail 1, in [0, 1].
 seed : int
     Seed of the particles.
+near : float
+    Distance of the near plane from the camera, m. The smoke begins at 3.3 m.
 
 Two thousand large, soft particles fill the view, more than twenty deep nearly everywhere, while
 glass covers a small part of it: almost all fragments are smoke without fine detail. Accumulating
@@ -44,6 +46,7 @@ from oitbench.scene import (
 )
 
 quick = False
+near = 3.0
 parameters = {
     "detail": PARTICLE_DETAIL,
     "alpha": Parameter(

@@ -17,6 +17,9 @@ cube : str
 self_shadow : bool
     Whether the smoke receives shadows, of itself and of the cube. Figure 16 shows it with and
     without them.
+near : float
+    Distance of the near plane from the camera, m. The ground begins at 4.5 m in the picture, as
+    does the smoke.
 
 The smoke is made of 1,000 particles, one object in random order of submission, so that sorting
 objects does not help and no order is right by chance. Coverage is low and soft, and the number of
@@ -73,6 +76,7 @@ VIEWS = {
     ),
 }
 quick = False
+near = 4.0
 parameters = {
     "detail": PARTICLE_DETAIL,
     "alpha": Parameter(

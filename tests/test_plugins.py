@@ -187,6 +187,23 @@ def test_a_scene_must_define_its_parameters(foreign: Path) -> None:
         Collection.load([foreign]).build_scene("silent")
 
 
+def test_a_scene_that_states_its_near_plane_has_it_as_a_parameter(foreign: Path) -> None:
+    path = foreign / "scenes" / "close.py"
+    units = SCENE.replace("(wall,))", "(wall,), meters_per_unit=0.1)")
+    path.write_text(units.replace("parameters =", "near = 0.05\nparameters ="))
+    collection = Collection.load([foreign])
+    assert collection.scenes["close"].parameters["near"].default == 0.05
+    for label, near in (("close", 0.05), ("close[near=0.02]", 0.02)):
+        scene = collection.build_scene(label)
+        assert scene.name == label
+        assert scene.in_meters().camera.near == pytest.approx(near)
+    with pytest.raises(UsageError, match="near is 0"):
+        collection.build_scene("close[near=0]")
+    path.write_text(SCENE.replace("parameters =", "near = -1.0\nparameters ="))
+    with pytest.raises(DeclarationError, match=r"close\.py: near is -1\.0; give a float"):
+        _ = Collection.load([foreign]).scenes["close"]
+
+
 def test_the_collection_of_an_installed_package_is_found(
     foreign: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

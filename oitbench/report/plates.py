@@ -15,7 +15,7 @@ from oitbench.filenames import file_name
 from oitbench.image import files as images
 from oitbench.image.files import Image
 from oitbench.report import figures
-from oitbench.report.artifacts import ImageGrid, Tile, fixed
+from oitbench.report.artifacts import ImageGrid, Tile, decimal, fixed
 from oitbench.report.cells import largest_noise_floor
 from oitbench.report.context import ReportContext
 from oitbench.report.ranking import truth_label
@@ -78,14 +78,15 @@ def show_truth(context: ReportContext, panel: Panel, truth: str, folder: Path) -
 
 
 def truth_text(context: ReportContext, panel: Panel, truth: str) -> tuple[str, ...]:
-    """Return the noise floor of a traced truth, and the sub-pixels of it and of the methods."""
+    """Return the noise floor and the samples of a traced truth, and the sub-pixels that count."""
     scores = (cell.outcome.scores[truth] for cell in panel.finished if cell.outcome)
     facts = next((found.reference for found in scores if found.reference), None)
     if facts is None:
         return ()
     floor = largest_noise_floor(panel.finished, truth, context.flip)
     text = "no noise" if not facts.random else f"noise floor {fixed(floor or 0.0, 4)}"
-    return text, f"ssaa {facts.ssaa}; methods {panel.finished[0].ssaa}"
+    samples = f"{facts.parts} × {facts.spp} spp, {decimal(facts.seconds)} s"
+    return text, f"ssaa {facts.ssaa}, methods {panel.finished[0].ssaa}", samples
 
 
 def show_cell(

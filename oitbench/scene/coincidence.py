@@ -8,7 +8,7 @@ they are declared by `Object.decal_of`.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -70,6 +70,32 @@ def find_coincidence(objects: Sequence[Object]) -> Coincidence | None:
     )
 
 
+def coplanar_pairs(triangles: Floats, owners: Numbers) -> tuple[Numbers, Numbers]:
+    """Return the pairs of triangles of different owners that lie in one plane and overlap.
+
+    Parameters
+    ----------
+    triangles : array, shape (n, 3, 3)
+    owners : array, shape (n,)
+        Numbers from 0.
+
+    Returns
+    -------
+    one, other : array, shape (m,)
+        Numbers of triangles.
+    """
+    # No plane of the triangles contains the origin, unless by a rare chance.
+    low, high = triangles.min(axis=(0, 1)), triangles.max(axis=(0, 1))
+    seen = triangles - low + (high - low).max() * np.array([0.4142, 0.7321, 0.2361])
+    clear = np.ones(int(owners.max()) + 1, dtype=bool)
+    found = [np.zeros((2, 0), dtype=np.int64)]
+    for group in _groups(_dual_points(seen), owners, clear):
+        pairs = _overlaps(seen[group], owners[group], clear)
+        found += [group[np.stack(numbers)] for numbers in pairs]
+    one, other = np.concatenate(found, axis=1)
+    return one, other
+
+
 def _dual_points(triangles: Floats) -> Floats:
     """Return the dual point of each triangle's plane; 0 for an empty one, or one through 0."""
     first, second, third = triangles.swapaxes(0, 1)
@@ -110,6 +136,14 @@ def _overlapping(
     triangles: Floats, owners: Numbers, clear: npt.NDArray[np.bool_]
 ) -> tuple[int, int] | None:
     """Return two objects, one of them transparent, of which triangles of one plane overlap."""
+    found = next(_overlaps(triangles, owners, clear), None)
+    return None if found is None else (int(owners[found[0][0]]), int(owners[found[1][0]]))
+
+
+def _overlaps(
+    triangles: Floats, owners: Numbers, clear: npt.NDArray[np.bool_]
+) -> Iterator[tuple[Numbers, Numbers]]:
+    """Yield pairs of triangles of one plane that overlap, of which one is transparent."""
     first, second, third = triangles[0]
     normal = np.cross(second - first, third - first)
     dropped = int(np.abs(normal).argmax())
@@ -131,9 +165,7 @@ def _overlapping(
         one = rows[one]
         cut = ~(_apart(flat[one], flat[other], slack) | _apart(flat[other], flat[one], slack))
         if cut.any():
-            k = int(np.flatnonzero(cut)[0])
-            return int(owners[one[k]]), int(owners[other[k]])
-    return None
+            yield order[one[cut]], order[other[cut]]
 
 
 def _apart(ones: Floats, others: Floats, slack: float) -> npt.NDArray[np.bool_]:

@@ -128,6 +128,10 @@ class Object:
         are found without it.
     receives_shadows : bool
         False for an object that all beams reach, whatever lies between. It still casts shadows.
+    priority : int
+        Where refracting solids touch or overlap, the one of the highest priority fills the space,
+        and of equal priorities the one that comes first in the scene. Give glass a higher one than
+        the water that it holds, and let the water touch the glass or reach into it.
 
     Raises
     ------
@@ -142,6 +146,7 @@ class Object:
     particles: bool = False
     decal_of: str = ""
     receives_shadows: bool = True
+    priority: int = 0
 
     def __post_init__(self) -> None:
         require(self.decal_of != self.name, f"object {self.name}: it is a decal of itself")

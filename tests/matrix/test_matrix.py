@@ -27,7 +27,7 @@ from oitbench.measure.timing import Timings
 from oitbench.plugins import Collection
 from oitbench.results.schema import EffectNames, Nonfinite, Outcome, Record
 from oitbench.results.store import CELLS, read_cells
-from oitbench.truths import EXACT, TRACED
+from oitbench.truths import EXACT, FULL, MATCHED, TRACED
 
 SIZE = (32, 32)
 MATRIX = (["calm", "restless[count=5]"], ["alpha_blend", "a_buffer[node=compact]"])
@@ -186,10 +186,27 @@ def test_plans_are_checked_before_anything_is_written(plugins: Path, tmp_path: P
         ({"preset": "huge"}, "unknown preset 'huge'"),
         ({"effects": ("-fog",)}, "unknown effect 'fog'"),
         ({"methods": ["alpha_bland"]}, "did you mean alpha_blend"),
+        ({"truths": ("fell",)}, "unknown truth 'fell'; did you mean full"),
     ):
         with pytest.raises(UsageError, match=message):
             plan_matrix(**{"out": tmp_path / "out", **wrong})  # type: ignore[arg-type]
     assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize(
+    ("preset", "truths", "planned"),
+    [
+        ("quick", (), (EXACT, MATCHED, FULL)),
+        ("guard", (), (EXACT,)),
+        ("guard", ("matched",), (EXACT, MATCHED)),
+        ("quick", ("full", "exact"), (EXACT, FULL)),
+    ],
+)
+def test_exact_compositing_is_among_the_truths(
+    preset: str, truths: tuple[str, ...], planned: tuple[str, ...]
+) -> None:
+    matrix = plan_matrix(["glass_bars"], ["alpha_blend"], preset, truths=truths)
+    assert [cell.truths for cell in matrix.cells] == [planned]
 
 
 def axis(scene: str, method: str, *effects: str, **more: Any) -> list[str]:

@@ -57,6 +57,8 @@ def test_a_setting_of_shading_is_swept(tmp_path: Path) -> None:
     assert isinstance(figure, Figure)
     assert figure.title == "shadow_map of the shading"
     assert rows["value"].to_list() == [256, 1024, 4096]
+    assert set(rows["truth"]) == {"matched tracing"}
+    assert rows["shading"].to_list() == ["shadow_map=256", "", "shadow_map=4096"]
 
 
 def test_the_default_is_a_value(tmp_path: Path) -> None:

@@ -10,17 +10,21 @@ import numpy.typing as npt
 
 from oitbench.plugins import Collection
 from oitbench.scene import Camera, DirectionalLight, Floats, Mesh, Object, Scene
-from tests.meshes import count_hits
+from tests.meshes import count_hits, hits
 
 COLLECTION = Collection.load()
 ASPECT = 4 / 3
 """Width of the pictures over their height."""
+SQUARE = (1 / ASPECT, 1.0)
+"""Largest (x, y) of `seen` in a square picture."""
+LARGE = 2000
+"""Number of triangles from which a mesh's corners stand for its surface."""
 
 
 @cache
 def build(text: str) -> Scene:
-    """Return the scene; the tests share it, so do not change its arrays."""
-    return COLLECTION.build_scene(text)
+    """Return the scene in meters; the tests share it, so do not change its arrays."""
+    return COLLECTION.build_scene(text).in_meters()
 
 
 def with_detail(text: str, detail: float) -> str:
@@ -73,6 +77,22 @@ def view_rays(camera: Camera, side: int) -> Floats:
     half = math.tan(camera.fov_y / 2)
     local = np.stack([x.ravel() * half * ASPECT, y.ravel() * half, -np.ones(side**2)], axis=1)
     return np.asarray(local @ camera.axes)
+
+
+def nearest_visible(camera: Camera, mesh: Mesh) -> float:
+    """Return the least view distance of a mesh within a picture of 16:9; infinity outside it."""
+    half = math.tan(camera.fov_y / 2) * np.array([16 / 9, 1])
+    local = (mesh.positions.astype(np.float64) - np.asarray(camera.position)) @ camera.axes.T
+    inside = (np.abs(local[:, :2]) <= -local[:, 2:] * half).all(axis=1)
+    distances = [np.inf, *-local[inside, 2]]
+    if len(mesh.triangles) < LARGE:
+        # Corners of large triangles are outside the picture.
+        line = np.linspace(-1, 1, 13)
+        x, y = np.meshgrid(*(line[:, None] * half).T)
+        rays = np.stack([x.ravel(), y.ravel(), -np.ones(x.size)], axis=1) @ camera.axes
+        for ray in rays:
+            distances += list(hits(mesh, camera.position, ray)[:1])
+    return float(min(distances))
 
 
 def toward_light(scene: Scene, point: npt.ArrayLike = (0.0, 0.0, 0.0)) -> Floats:

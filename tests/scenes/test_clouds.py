@@ -2,8 +2,17 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from oitbench.scene import Texture
-from tests.scenes.helpers import build, layers_toward_light, named, sprite_centers
+from tests.scenes.helpers import (
+    SQUARE,
+    build,
+    layers_toward_light,
+    named,
+    seen,
+    sprite_centers,
+)
 
 
 def test_the_left_cloud_shadows_a_part_of_the_center_one() -> None:
@@ -14,9 +23,15 @@ def test_the_left_cloud_shadows_a_part_of_the_center_one() -> None:
     assert not scene.opaque
 
 
+def test_all_clouds_are_whole_in_a_square_picture() -> None:
+    scene = build("clouds")
+    for item in scene.transparent:
+        assert (np.abs(seen(scene.camera, item.mesh.positions)) < SQUARE).all(), item.name
+
+
 def test_clouds_are_in_front_of_a_blue_sky_with_a_brighter_horizon() -> None:
     scene = build("clouds")
-    assert 1400 <= sum(len(item.mesh.triangles) // 2 for item in scene.transparent) <= 1700
+    assert 2500 <= sum(len(item.mesh.triangles) // 2 for item in scene.transparent) <= 3000
     sky = scene.environment
     assert sky is not None
     assert isinstance(sky.radiance, Texture)

@@ -15,17 +15,30 @@ from oitbench.modeling.placement import merge
 from oitbench.scene import BLACK, Object, SpotLight, Texture
 from tests.meshes import agreement, boundary, coincident, corners, face_normals, hits, signed_volume
 from tests.scenes.cases import CASES, FULL, SMALL, name_of, small
-from tests.scenes.helpers import build, particles, seen, toward_light, with_detail
+from tests.scenes.helpers import (
+    COLLECTION,
+    build,
+    nearest_visible,
+    particles,
+    seen,
+    toward_light,
+    with_detail,
+)
 
 GLOWING = {
+    "chess": {"windows"},
     "foggy_street": {"bulbs", "warm windows", "cool windows"},
     "frosted_door": {"far window"},
 }
 """The objects that emit light in scenes with a directional or a spot light."""
-ROOMS = ("foggy_street", "foliage", "frosted_door", "frosted_panes", "light_shafts")
+ROOMS = ("chess", "foggy_street", "foliage", "frosted_door", "frosted_panes", "light_shafts")
 """Scenes with walls that cast no shadow."""
-LEAST_IN_VIEW = {"clouds": 0.99, "foliage": 0.98, "smoke_and_glass": 0.8}
+LEAST_IN_VIEW = {"foliage": 0.98, "smoke_and_glass": 0.8}
 """Fraction of each transparent object's vertices in the picture; 1 for other scenes."""
+FREE_OF_NEAR_PLANE = ("fragment_lists", "layer_stack")
+"""Scenes without geometry, or whose layers begin at a distance that is a parameter."""
+FOG_BEGINS = 0.1
+"""Near plane in meters of a scene with fog around the camera."""
 LEAST_GAP = 3e-4
 """Least distance between a solid and the ground, meters."""
 
@@ -70,7 +83,7 @@ def test_solids_are_watertight_with_outward_normals(case: str, detail: float) ->
     for item in build(with_detail(case, detail)).objects:
         if item.material.solid:
             assert not len(boundary(item.mesh)), item.name
-            assert signed_volume(item.mesh) > 1e-3
+            assert signed_volume(item.mesh) > 1e-5
             assert (agreement(item.mesh).sum(axis=1) > 0).all()
             assert item.mesh.positions[:, 1].min() >= LEAST_GAP
 
@@ -88,6 +101,25 @@ def test_masks_have_an_empty_border_and_baked_light_is_in_range(case: str) -> No
             assert (radiance >= 0).all()
             assert item not in scene.opaque or radiance.max() * 2**scene.exposure <= 1.05
             assert item not in scene.opaque or radiance.mean() * 2**scene.exposure > 0.05
+
+
+@pytest.mark.parametrize("name", COLLECTION.scenes)
+def test_the_near_plane_is_close_in_front_of_all_that_is_visible(name: str) -> None:
+    """Window depth, by which some methods weigh layers, is spent on the content."""
+    scene = build(with_detail(name, SMALL))
+    if name in FREE_OF_NEAR_PLANE:
+        return
+    near = scene.camera.near
+    assert near == COLLECTION.scenes[name].parameters["near"].default
+    nearest = min(nearest_visible(scene.camera, item.mesh) for item in scene.objects)
+    assert near < nearest
+    assert near == FOG_BEGINS if scene.medium else nearest < 1.5 * near
+
+
+@pytest.mark.parametrize("name", COLLECTION.scenes)
+def test_the_near_plane_is_a_parameter_in_meters(name: str) -> None:
+    if build(with_detail(name, SMALL)).objects:
+        assert build(f"{name}[detail={SMALL},near=0.05]").camera.near == pytest.approx(0.05)
 
 
 # Light
@@ -195,6 +227,19 @@ def test_the_camera_is_in_the_fog_and_no_surface_coincides_with_a_face_of_its_bo
         points = corners(item.mesh)
         for face in (fog.low, fog.high):
             assert not (np.abs(points - np.asarray(face)) < 1e-3).all(axis=1).any(), item.name
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_fog_has_an_ambient_radiance_of_its_own_from_the_warm_surfaces_around(case: str) -> None:
+    scene = small(case)
+    if scene.medium is None:
+        return
+    assert scene.medium.ambient is not None
+    assert scene.environment is not None
+    red, green, blue = scene.medium.ambient
+    assert red > green > blue
+    sky = scene.environment.texels.mean(axis=(0, 1))
+    assert red / blue > 1.1 * sky[0] / sky[2]
 
 
 @pytest.mark.parametrize("case", CASES)

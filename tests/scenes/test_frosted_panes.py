@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from tests.meshes import bounds
-from tests.scenes.helpers import build, named, starting
+from tests.scenes.helpers import build, named, seen, starting
 
 
 def test_collimation_falls_from_left_to_right() -> None:
@@ -22,6 +22,19 @@ def test_collimation_falls_from_left_to_right() -> None:
     assert not any(item.material.tints for item in panes)
     spans = [bounds(item.mesh) for item in panes]
     assert all(one[1][0] < other[0][0] for one, other in itertools.pairwise(spans))
+
+
+def test_each_teapot_is_seen_through_its_own_pane_and_fills_most_of_it() -> None:
+    scene = build("frosted_panes[detail=0.1]")
+    for number in range(5):
+        pane, pot = (
+            seen(scene.camera, named(scene, f"{kind} {number}").mesh.positions)
+            for kind in ("pane", "teapot")
+        )
+        left, right = pane[:, 0].min(), pane[:, 0].max()
+        assert ((pot[:, 0] > left) & (pot[:, 0] < right)).mean() > 0.95
+        assert np.ptp(pot[:, 0]) > 0.7 * (right - left)
+        assert np.ptp(pot[:, 1]) > 0.12 * 2
 
 
 @pytest.mark.parametrize("distance", ["0.4", "1"])

@@ -6,7 +6,7 @@ import numpy as np
 
 from oitbench.modeling.placement import merge
 from oitbench.scene import Mesh, Scene
-from tests.meshes import bounds, hits
+from tests.meshes import bounds, count_hits, hits
 from tests.scenes.helpers import build, named, seen, toward_light
 
 
@@ -56,6 +56,8 @@ def test_the_statue_is_partly_in_shadow() -> None:
     assert statue.normals is not None
     facing = np.flatnonzero(statue.normals @ toward > 0.3)[::10]
     starts = statue.positions[facing] + 0.01 * statue.normals[facing]
+    # Its parts overlap: some vertices are inside it.
+    starts = starts[count_hits(statue, starts, toward) == 0]
     lit = np.mean([not len(hits(blocking, start, toward)) for start in starts])
     assert len(starts) > 20
     assert 0.15 < lit < 0.85

@@ -46,7 +46,7 @@ def test_ice_stays_within_its_glass() -> None:
     assert 0.7 < inside.mean() < 0.8
     wall = glass.positions
     inner = np.hypot(wall[:, 0] - middle[0], wall[:, 2] - middle[2])
-    at_floor = inner[(wall[:, 1] > low[1] + 0.1)].min()
+    at_floor = inner[(wall[:, 1] > low[1] + 0.01)].min()
     reach = np.hypot(*(ice.positions[inside][:, [0, 2]] - middle[[0, 2]]).T)
     assert reach.max() < at_floor
 

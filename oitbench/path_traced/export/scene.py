@@ -17,6 +17,7 @@ from oitbench.path_traced.export.film import Film
 from oitbench.path_traced.export.mesh import build_mesh, texture_number
 from oitbench.path_traced.export.shapes import layout
 from oitbench.path_traced.export.texture import FilteredTextures
+from oitbench.path_traced.export.touching import separated
 from oitbench.path_traced.export.view import View
 from oitbench.scene import BLACK, Material, Object, Scene
 from oitbench.scene.texturing import distinct_images, premultiplied_pyramid
@@ -64,6 +65,7 @@ def export(scene: Scene, view: View, mitsuba: ModuleType) -> ExportedScene:
     CapabilityError
         If the scene cannot be path traced.
     """
+    scene = separated(scene)
     require_traceable(scene)
     drjit = importlib.import_module("drjit")
     content: dict[str, Any] = {"type": "scene"}

@@ -32,13 +32,10 @@ class Branch:
     ----------
     line : Line
     throughput : Color3f
-    inside : Color3f
-        Absorption coefficient of the solid that the line runs through, m⁻¹; zero outside.
     """
 
     line: Line
     throughput: Any
-    inside: Any
 
 
 @dataclass
@@ -48,7 +45,7 @@ class Stack:
     Parameters
     ----------
     columns : tuple of Local
-        Origin, direction, start, face, throughput and absorption.
+        Origin, direction, start, face and throughput, and the nest of solids.
     top : UInt32
         Number of branches.
     """
@@ -57,10 +54,10 @@ class Stack:
     top: Any
 
     @classmethod
-    def empty(cls, mitsuba: Any, drjit: Any) -> Stack:
-        """Return a stack without branches."""
+    def empty(cls, mitsuba: Any, drjit: Any, depth: int) -> Stack:
+        """Return a stack without branches, for lines whose nests have `depth` elements."""
         place = mitsuba.Point3f, mitsuba.Vector3f, mitsuba.Float, mitsuba.UInt32
-        kinds = (*place, mitsuba.Color3f, mitsuba.Color3f)
+        kinds = (*place, mitsuba.Color3f, *([mitsuba.UInt32] * depth))
         columns = tuple(drjit.alloc_local(kind, WAITING) for kind in kinds)
         return cls(columns, mitsuba.UInt32(0))
 
@@ -68,7 +65,7 @@ class Stack:
         """Let `branch` wait where `active`, unless it is faint."""
         kept = active & (drjit.max(branch.throughput) > FAINT) & (self.top < WAITING)
         line = branch.line
-        values = line.o, line.d, line.along, line.known, branch.throughput, branch.inside
+        values = line.o, line.d, line.along, line.known, branch.throughput, *line.nest
         for column, value in zip(self.columns, values, strict=True):
             column.write(value, self.top, active=kept)
         self.top = self.top + drjit.select(kept, mitsuba.UInt32(1), 0)
@@ -77,10 +74,10 @@ class Stack:
         """Return the last branch where `active`, and where there is one."""
         found = active & (self.top > 0)
         self.top = self.top - drjit.select(found, mitsuba.UInt32(1), 0)
-        o, d, along, known, throughput, inside = (
+        o, d, along, known, throughput, *nest = (
             column.read(self.top, active=found) for column in self.columns
         )
-        return Branch(Line(o, d, along, known), throughput, inside), found
+        return Branch(Line(o, d, along, known, tuple(nest)), throughput), found
 
 
 class BranchingWalk(StraightWalk):
@@ -100,40 +97,35 @@ class BranchingWalk(StraightWalk):
     def __call__(self, content: Any, ray: Any, seed: int) -> Any:
         """Return the radiance along `ray`."""
         mitsuba, drjit = self._mitsuba, self._drjit
-        stack = Stack.empty(mitsuba, drjit)
-        inside, turns = mitsuba.Color3f(0), mitsuba.UInt32(0)
-        state = self._start(ray, seed), inside, turns, stack, mitsuba.Bool(True)
-        return drjit.while_loop(state, lambda *v: v[4], self._follow)[0].light
+        sight = self._start(ray, seed)
+        stack = Stack.empty(mitsuba, drjit, len(sight.line.nest))
+        state = sight, mitsuba.UInt32(0), stack, mitsuba.Bool(True)
+        return drjit.while_loop(state, lambda *v: v[3], self._follow)[0].light
 
-    def _follow(
-        self, sight: Sight, inside: Any, turns: Any, stack: Stack, active: Any
-    ) -> tuple[Any, ...]:
+    def _follow(self, sight: Sight, turns: Any, stack: Stack, active: Any) -> tuple[Any, ...]:
         """Go on behind the next surface, or with a branch that waits."""
         mitsuba, drjit = self._mitsuba, self._drjit
         hit = self._surfaces.intersect(sight.line, active)
-        way = drjit.select(hit.valid, hit.at - sight.line.along, 0)
-        sight.throughput = sight.throughput * self._perceived(drjit.exp(-inside * way))
+        passing = self._surfaces.passing(sight.line, hit.at, active)
+        sight.throughput = sight.throughput * self._perceived(passing)
         solid = hit.fresh & hit.layer.refracts & (Effect.REFRACTION in self._effects)
-        self._look(sight, hit, hit.fresh & (hit.outside | ~solid), active)
+        self._look(sight, hit, hit.fresh & ~(solid & hit.inner), active)
         two = mitsuba.Point2f(0.5, 0.5)
         if Effect.DIFFUSION in self._effects:
             rng = sight.rng
             two = mitsuba.Point2f(rng.next_float32(hit.fresh), rng.next_float32(hit.fresh))
-        self._pass_film(sight, inside, hit, stack, two, hit.fresh & ~solid)
-        inside = self._cross(sight, inside, hit, stack, two, solid)
+        self._pass_film(sight, hit, stack, two, hit.fresh & ~solid)
+        self._cross(sight, hit, stack, two, solid)
         sight.line = sight.line.onward(drjit, hit, hit.valid & ~hit.fresh)
         turns = turns + drjit.select(solid, mitsuba.UInt32(1), 0)
         goes_on = hit.valid & (drjit.max(sight.throughput) > FAINT) & (turns < MAX_TURNS)
         branch, found = stack.pop(mitsuba, drjit, active & ~goes_on)
         sight.line = branch.line.where(drjit, found, sight.line)
         sight.throughput = drjit.select(found, branch.throughput, sight.throughput)
-        inside = drjit.select(found, branch.inside, inside)
         turns = drjit.select(found, 0, turns)
-        return sight, inside, turns, stack, goes_on | found
+        return sight, turns, stack, goes_on | found
 
-    def _pass_film(
-        self, sight: Sight, inside: Any, hit: Hit, stack: Stack, two: Any, film: Any
-    ) -> None:
+    def _pass_film(self, sight: Sight, hit: Hit, stack: Stack, two: Any, film: Any) -> None:
         """Go straight on behind a film, or into a random direction behind a frosted one."""
         mitsuba, drjit, layer = self._mitsuba, self._drjit, hit.layer
         straight = sight.line.onward(drjit, hit, film)
@@ -141,7 +133,7 @@ class BranchingWalk(StraightWalk):
         line = straight
         if Effect.DIFFUSION in self._effects:
             frosted = film & (layer.spread > 0)
-            beside = Branch(straight, sight.throughput * (1 - layer.coverage), inside)
+            beside = Branch(straight, sight.throughput * (1 - layer.coverage))
             stack.push(mitsuba, drjit, beside, frosted)
             passed = self._perceived(layer.coverage * layer.passing)
             part = drjit.select(frosted, passed, part)
@@ -150,10 +142,8 @@ class BranchingWalk(StraightWalk):
         sight.throughput = drjit.select(film, sight.throughput * part, sight.throughput)
         sight.line = line.where(drjit, film, sight.line)
 
-    def _cross(
-        self, sight: Sight, inside: Any, hit: Hit, stack: Stack, two: Any, solid: Any
-    ) -> Any:
-        """Refract the path at the boundary of a solid; return the absorption behind it."""
+    def _cross(self, sight: Sight, hit: Hit, stack: Stack, two: Any, solid: Any) -> None:
+        """Refract the path at the boundary of a solid."""
         mitsuba, drjit, layer = self._mitsuba, self._drjit, hit.layer
         geometric = mitsuba.Vector3f(hit.si.n)
         # The interpolated normal, unless it is on the other side of the triangle.
@@ -162,26 +152,24 @@ class BranchingWalk(StraightWalk):
         alpha = layer.facets if Effect.DIFFUSION in self._effects else mitsuba.Float(0)
         found = meet_interface(mitsuba, drjit, layer.index, alpha, normal, hit.si.wi, two)
         through, line = sight.throughput, sight.line
-        beside = Branch(line.onward(drjit, hit, solid), through * (1 - layer.coverage), inside)
+        beside = Branch(line.onward(drjit, hit, solid), through * (1 - layer.coverage))
         stack.push(mitsuba, drjit, beside, solid & (layer.coverage < 1))
-        leaving, total = solid & ~hit.outside, found.reflectance >= 1
+        within, total = solid & hit.inner, found.reflectance >= 1
         covered = through * layer.coverage
         # Reflected light stays on its side of the triangle, refracted light is on the other one.
         mirrored = _on_side(drjit, found.mirrored, geometric, hit.outside)
         refracted = _on_side(drjit, found.refracted, geometric, ~hit.outside)
         inner = covered * found.mirrored_part * found.reflectance
-        reflected = Branch(line.turned(drjit, hit, mirrored, solid), inner, inside)
-        stack.push(mitsuba, drjit, reflected, leaving & ~total)
+        reflected = Branch(line.turned(drjit, hit, mirrored, solid), inner)
+        stack.push(mitsuba, drjit, reflected, within & ~total)
         entering = self._perceived((1 - layer.albedo) * (1 - layer.fresnel))
-        passed = drjit.select(hit.outside, entering, mitsuba.Color3f(1 - found.reflectance))
+        passed = drjit.select(hit.inner, mitsuba.Color3f(1 - found.reflectance), entering)
         passed = covered * found.refracted_part * passed
-        kept = leaving & total
+        kept = within & total
         through = drjit.select(kept, inner, drjit.select(solid, passed, through))
         sight.throughput = through
         d = drjit.select(kept, mirrored, refracted)
-        sight.line = line.turned(drjit, hit, d, solid)
-        beyond = drjit.select(hit.outside, layer.absorption, mitsuba.Color3f(0))
-        return drjit.select(solid & ~kept, beyond, inside)
+        sight.line = line.turned(drjit, hit, d, solid, ~kept)
 
 
 def _on_side(drjit: Any, d: Any, normal: Any, front: Any) -> Any:

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from oitbench.path_traced.trace.hits import NO_FACE, Line
+from oitbench.path_traced.trace.hits import Line
 from oitbench.path_traced.trace.lights import TracedBeam
 from oitbench.path_traced.trace.medium import TracedMedium
 from oitbench.scene import Floats
@@ -93,7 +93,7 @@ class SingleScattering:
             source = mitsuba.Color3f(self._ambient)
             for beam in beams:
                 toward, distance, arriving = beam.toward(p)
-                leaving = Line(p, toward, mitsuba.Float(0), mitsuba.UInt32(NO_FACE))
+                leaving = line.scattered(p, toward)
                 lit = active & drjit.any(arriving > 0)
                 arriving = arriving * visibility(leaving, distance, lit)
                 source += arriving * medium.phase(drjit.dot(toward, line.d))

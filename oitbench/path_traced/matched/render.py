@@ -118,7 +118,8 @@ class _Stage:
         self._mitsuba, self._drjit = mitsuba, importlib.import_module("drjit")
         self._scene, self._view, self._effects, self._random = scene, view, effects, random
         self._exported: ExportedScene = export(scene, view, mitsuba)
-        self._surfaces = Surfaces.build(mitsuba, self._drjit, view, self._exported)
+        refracts = Effect.REFRACTION in effects
+        self._surfaces = Surfaces.build(mitsuba, self._drjit, view, self._exported, refracts)
         modules = mitsuba, self._drjit
         traced = TracedEnvironment.build(*modules, scene)
         self._environment = OpenEnvironment(*modules, scene.environment, traced)

@@ -52,13 +52,16 @@ class Shading:
         self.visibility = visibility
         self.beams = [TracedBeam(mitsuba, drjit, light) for light in scene.beams]
 
-    def light(self, hit: Hit, rng: Any, active: Any) -> Any:
-        """Return α·L at `hit`, Color3f; `rng` is needed for occlusion alone."""
+    def light(self, hit: Hit, rng: Any, active: Any, share: Any = 1) -> Any:
+        """Return α·L at `hit`, Color3f; `rng` is needed for occlusion alone.
+
+        `share` is a random factor on the light of beams, of mean one.
+        """
         total = self._mitsuba.Color3f(0)
         if "glows" in self._has:
             total += hit.layer.light
         if self._has & {"albedo", "reflectance"}:
-            total += self._beam_light(hit, active)
+            total += share * self._beam_light(hit, active & (share > 0))
             if self._caustics is not None:
                 total += self._bent_light(self._caustics, hit, active)
             if self._environment.lights:

@@ -10,8 +10,11 @@ from oitbench.path_traced.matched.environment import OpenEnvironment
 from oitbench.path_traced.matched.medium import SingleScattering
 from oitbench.path_traced.matched.shading import Shading
 from oitbench.path_traced.matched.visibility import FAINT
-from oitbench.path_traced.trace.hits import NO_FACE, Hit, Line
+from oitbench.path_traced.trace.hits import Hit, Line
 from oitbench.path_traced.trace.surfaces import Surfaces
+
+SHADOW_RAYS = 16
+"""Most shadow rays to a beam that the layers of a random line of sight get in the mean."""
 
 
 @dataclass
@@ -27,12 +30,15 @@ class Sight:
         Part of the light from ahead that reaches the eye.
     rng : PCG32 or None
         None if no effect needs random numbers.
+    teeth : Float
+        Shadow rays that the layers so far have deserved, plus a random number in [0, 1).
     """
 
     line: Line
     light: Any
     throughput: Any
     rng: Any
+    teeth: Any
 
 
 class StraightWalk:
@@ -80,9 +86,9 @@ class StraightWalk:
         if self._random:
             state = self._drjit.opaque(mitsuba.UInt64, seed)
             rng = mitsuba.PCG32(size=ray.o.shape[1], initstate=state)
-        o, d = mitsuba.Point3f(ray.o), mitsuba.Vector3f(ray.d)
-        line = Line(o, d, mitsuba.Float(0), mitsuba.UInt32(NO_FACE))
-        return Sight(line, mitsuba.Color3f(0), mitsuba.Color3f(1), rng)
+        line = self._surfaces.eye_line(ray.o, ray.d)
+        teeth = mitsuba.Float(0) if rng is None else rng.next_float32()
+        return Sight(line, mitsuba.Color3f(0), mitsuba.Color3f(1), rng, teeth)
 
     def _advance(self, sight: Sight, active: Any) -> tuple[Sight, Any]:
         """Go on behind the next layer."""
@@ -106,9 +112,26 @@ class StraightWalk:
             sight.light = sight.light + sight.throughput * found
             sight.throughput = sight.throughput * passed
         around = self._environment.radiance(sight.line.d)
-        found = drjit.select(shaded, self._shading.light(hit, sight.rng, shaded), 0)
+        share = self._share(sight, hit, shaded)
+        found = drjit.select(shaded, self._shading.light(hit, sight.rng, shaded, share), 0)
         found = drjit.select(active & ~hit.valid, around, found)
         sight.light = sight.light + sight.throughput * found
+
+    def _share(self, sight: Sight, hit: Hit, shaded: Any) -> Any:
+        """Return the factor on the light of beams at `hit`; where it is 0, they need no shadow ray.
+
+        Where a picture is random anyway, a layer that contributes less than 1/`SHADOW_RAYS` gets
+        its shadow ray by systematic sampling: whenever the sum of contributions passes the next
+        tooth of a comb.
+        """
+        drjit = self._drjit
+        if not self._random:
+            return self._mitsuba.Float(1)
+        part = SHADOW_RAYS * drjit.max(sight.throughput) * hit.layer.coverage
+        part = drjit.select(shaded, drjit.minimum(part, 1), 0)
+        chosen = drjit.floor(sight.teeth + part) > drjit.floor(sight.teeth)
+        sight.teeth = sight.teeth + drjit.select(part < 1, part, 0)
+        return drjit.select(part >= 1, 1, drjit.select(chosen, 1 / part, 0))
 
     def _perceived(self, transmittance: Any) -> Any:
         """Return a transmittance as the effects that run express it."""

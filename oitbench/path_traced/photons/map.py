@@ -126,13 +126,20 @@ class CausticMap:
         return replace(grid, keys=mitsuba.UInt64(keys), light=light)
 
     def irradiance(self, si: Any, active: Any) -> Any:
-        """Return the irradiance at the interaction `si`, Color3f in W·m⁻²."""
+        """Return the irradiance at the interaction `si`, Color3f in W·m⁻²; 0 if not `active`."""
+        color = self.mitsuba.Color3f
+        # Lookups are slow. Most rays that cross particles need none.
+        return self.drjit.if_stmt(
+            (si.p, si.n, active), active, self._irradiance, lambda p, n, active: color(0)
+        )
+
+    def _irradiance(self, p: Any, n: Any, active: Any) -> Any:
         drjit, mitsuba = self.drjit, self.mitsuba
-        x, y, z = (drjit.abs(value) for value in si.n)
+        x, y, z = (drjit.abs(value) for value in n)
         total = mitsuba.Color3f(0)
         along_x, along_y = (x >= y) & (x >= z), y >= z
         axis = drjit.select(along_x, 0, drjit.select(along_y, 1, mitsuba.UInt32(2)))
-        places = [self._place(si.p, si.n, number) for number in range(3)]
+        places = [self._place(p, n, number) for number in range(3)]
         u, v, w, facing = (
             drjit.select(along_x, a, drjit.select(along_y, b, c))
             for a, b, c in zip(*places, strict=True)

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from oitbench.path_traced.optics.reflection import microfacets
+from oitbench.path_traced.trace.solids import Nest
 
 STEP = 6e-7
 """Advance beyond a hit, relative to the magnitudes that are added there: five float32 roundings."""
@@ -27,12 +28,15 @@ class Line:
         Distance in meters from the origin up to which the line has been explored.
     known : UInt32
         Number of the face that was hit last; it is not hit again.
+    nest : Nest
+        The refracting solids that the line runs inside of.
     """
 
     o: Any
     d: Any
     along: Any
     known: Any
+    nest: Nest
 
     def where(self, drjit: Any, mask: Any, other: Line) -> Line:
         """Return this line where `mask` is set, `other` elsewhere."""
@@ -41,16 +45,28 @@ class Line:
             drjit.select(mask, self.d, other.d),
             drjit.select(mask, self.along, other.along),
             drjit.select(mask, self.known, other.known),
+            tuple(drjit.select(mask, a, b) for a, b in zip(self.nest, other.nest, strict=True)),
         )
 
     def onward(self, drjit: Any, hit: Hit, active: Any) -> Line:
         """Return this line, explored to beyond `hit` where `active`."""
-        return Line(self.o, self.d, hit.beyond, hit.face).where(drjit, active, self)
+        return Line(self.o, self.d, hit.beyond, hit.face, hit.behind).where(drjit, active, self)
 
-    def turned(self, drjit: Any, hit: Hit, d: Any, active: Any) -> Line:
-        """Return the line from `hit` in the direction `d` where `active`, this line elsewhere."""
+    def turned(self, drjit: Any, hit: Hit, d: Any, active: Any, crosses: Any = False) -> Line:
+        """Return the line from `hit` in the direction `d` where `active`, this line elsewhere.
+
+        `crosses` says where the line goes on behind the face of a solid.
+        """
         start = STEP * drjit.max(drjit.abs(hit.si.p))
-        return Line(hit.si.p, d, start, hit.face).where(drjit, active, self)
+        nest = tuple(
+            drjit.select(crosses, a, b) for a, b in zip(hit.behind, hit.before, strict=True)
+        )
+        return Line(hit.si.p, d, start, hit.face, nest).where(drjit, active, self)
+
+    def scattered(self, p: Any, d: Any) -> Line:
+        """Return the line that leaves the point `p` of a medium in the unit direction `d`."""
+        zero, face = type(self.along)(0), type(self.known)(NO_FACE)
+        return Line(p, d, zero, face, self.nest)
 
 
 @dataclass
@@ -62,7 +78,8 @@ class Hit:
     valid : Bool
         Whether the line hits anything.
     fresh : Bool
-        Whether the hit counts: the triangle is drawn, and is not the one that was hit last.
+        Whether the hit counts: the triangle is drawn, is not the one that was hit last, and is not
+        hidden inside of a solid of higher priority.
     at : Float
         Distance along the line in meters; infinite where nothing is hit.
     beyond : Float
@@ -74,6 +91,10 @@ class Hit:
         Shading normal on the side that the line comes from.
     outside : Bool
         Whether the line hits the front of the triangle.
+    inner : Bool
+        Whether the line comes from inside of a refracting solid.
+    before, behind : Nest
+        The solids on the side that the line comes from, and behind the triangle.
     layer : Layer
         The material.
     """
@@ -86,12 +107,16 @@ class Hit:
     si: Any
     n: Any
     outside: Any
+    inner: Any
+    before: Nest
+    behind: Nest
     layer: Layer
 
     def leaving(self, mitsuba: Any, drjit: Any, toward: Any) -> Line:
         """Return the line that leaves the surface in the unit direction `toward`."""
         start = STEP * drjit.max(drjit.abs(self.si.p))
-        return Line(mitsuba.Point3f(self.si.p), mitsuba.Vector3f(toward), start, self.face)
+        p, d = mitsuba.Point3f(self.si.p), mitsuba.Vector3f(toward)
+        return Line(p, d, start, self.face, self.before)
 
     def shadowed_up_to(self, drjit: Any, distance: Any) -> Any:
         """Return the part of the `distance` to a beam in which surfaces block its light."""
@@ -131,9 +156,8 @@ class Layer:
         Whether no light passes, and whether it is a particle, receives no shadows, or is the
         boundary of a refracting solid.
     index, facets : Float
-        Refractive index, and roughness α of the Beckmann microfacets, of a refracting solid.
-    absorption : Color3f
-        Absorption coefficient inside a refracting solid, m⁻¹.
+        Refractive index of a refracting solid relative to what it lies in, and roughness α of its
+        Beckmann microfacets.
     spread : Float
         Radius of the disk of slopes into which a frosted sheet scatters light, or a solid that is
         taken for two sheets; else 0.
@@ -152,7 +176,6 @@ class Layer:
     refracts: Any
     index: Any
     facets: Any
-    absorption: Any
     spread: Any
 
     @property

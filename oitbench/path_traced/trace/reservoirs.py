@@ -54,11 +54,9 @@ class Reservoir:
     total: Any
 
     @classmethod
-    def empty(cls, mitsuba: Any, drjit: Any) -> Reservoir:
-        """Return a reservoir without candidates."""
-        zero, color = mitsuba.Float(0), mitsuba.Color3f(0)
-        line = Line(mitsuba.Point3f(0), mitsuba.Vector3f(0, 0, 1), zero, mitsuba.UInt32(0))
-        return cls(line, mitsuba.Float(drjit.inf), color, zero)
+    def empty(cls, mitsuba: Any, drjit: Any, line: Line) -> Reservoir:
+        """Return a reservoir without candidates, with any `line`."""
+        return cls(line, mitsuba.Float(drjit.inf), mitsuba.Color3f(0), mitsuba.Float(0))
 
     def add(
         self, mitsuba: Any, drjit: Any, candidate: Candidate, rng: Any, active: Any
@@ -84,11 +82,13 @@ class Reservoir:
 class Reservoirs:
     """Reservoirs for beams on surfaces, for beams in a medium, and for the environment.
 
+    Light that is scattered once, on the straight part of a path, has a reservoir of its own.
     They are None where a scene lacks the light. They are separate because the weights ignore
     shadows: a strong light that is shadowed must not keep lights of the other kinds from being
     selected.
     """
 
     surface_beam: Reservoir | None
+    single_beam: Reservoir | None
     medium_beam: Reservoir | None
     environment: Reservoir | None

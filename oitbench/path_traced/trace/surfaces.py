@@ -17,9 +17,10 @@ from oitbench.path_traced.export.film import LIGHT
 from oitbench.path_traced.export.scene import ExportedScene
 from oitbench.path_traced.export.texture import FilteredTextures
 from oitbench.path_traced.export.view import View
-from oitbench.path_traced.optics.materials import absorption, interface_roughness, spread
+from oitbench.path_traced.optics.materials import interface_roughness, spread
 from oitbench.path_traced.optics.reflection import schlick
-from oitbench.path_traced.trace.hits import STEP, Hit, Layer, Line
+from oitbench.path_traced.trace.hits import NO_FACE, STEP, Hit, Layer, Line
+from oitbench.path_traced.trace.solids import Solids
 from oitbench.scene import BLACK, Object, Texture
 from oitbench.scene.texturing import constants_of
 
@@ -42,6 +43,8 @@ class Surfaces:
     tables : dict of str to Float
         One column of values for each property, by object.
     textures : FilteredTextures or None
+    solids : Solids or None
+        None if solids are sheets to the lines.
     has : frozenset of str
         Columns that are not zero everywhere. The others are not looked up and cost nothing.
     """
@@ -54,11 +57,17 @@ class Surfaces:
     rows: Any
     tables: dict[str, Any]
     textures: FilteredTextures | None
+    solids: Solids | None
     has: frozenset[str]
 
     @classmethod
-    def build(cls, mitsuba: Any, drjit: Any, view: View, exported: ExportedScene) -> Surfaces:
-        """Upload the materials of all objects."""
+    def build(
+        cls, mitsuba: Any, drjit: Any, view: View, exported: ExportedScene, refracts: bool = True
+    ) -> Surfaces:
+        """Upload the materials of all objects.
+
+        `refracts` says whether lines keep account of the solids that they run inside of.
+        """
         numbers = {
             shape.id(): int(
                 drjit.reinterpret_array(mitsuba.UInt32, mitsuba.ShapePtr(shape)).numpy()[0]
@@ -76,6 +85,11 @@ class Surfaces:
                 columns.append(_values(item, exported.texture_of(item.material)))
                 first += faces[-1]
         tables = {name: np.stack([column[name] for column in columns]) for name in columns[0]}
+        solids = None
+        if refracts and tables["refracts"].any():
+            items = [item for group in exported.groups.values() for item in group]
+            solids, ranks = Solids.build(mitsuba, drjit, items, view.camera)
+            tables["rank"] = np.asarray(ranks, dtype=np.float32)
         return cls(
             mitsuba,
             drjit,
@@ -85,6 +99,7 @@ class Surfaces:
             mitsuba.UInt32(np.repeat(np.arange(len(faces), dtype=np.uint32), faces)),
             {name: mitsuba.Float(values.ravel()) for name, values in tables.items()},
             exported.textures,
+            solids,
             frozenset(name for name, values in tables.items() if values.any()),
         )
 
@@ -106,15 +121,52 @@ class Surfaces:
         n = drjit.select(drjit.dot(n, line.d) < 0, n, -n)
         # A line crosses a triangle once. A second hit is a rounding error of the first one.
         fresh = valid & (face != line.known) & self.view.before_far_plane(mitsuba, drjit, si.p)
-        layer = self._layer(si, face, -drjit.dot(n, line.d), fresh)
+        row = drjit.gather(mitsuba.UInt32, self.rows, face, fresh)
+        inner, before, behind, index = mitsuba.Bool(False), line.nest, line.nest, None
+        if self.solids is not None:
+            rank = mitsuba.UInt32(self._number("rank", row, fresh))
+            met = self.solids.meet(line.nest, rank, outside, fresh & (rank > 0))
+            inner, before, behind, index = met.inner, met.before, met.behind, met.index
+            fresh = fresh & ~met.hidden
+        layer = self._layer(si, row, -drjit.dot(n, line.d), inner & outside, index, fresh)
         at = drjit.select(valid, reach, drjit.inf)
-        return Hit(valid, fresh, at, beyond, face, si, n, outside, layer)
+        return Hit(valid, fresh, at, beyond, face, si, n, outside, inner, before, behind, layer)
 
-    def _layer(self, si: Any, face: Any, cosine: Any, active: Any) -> Layer:
-        row = self.drjit.gather(self.mitsuba.UInt32, self.rows, face, active)
+    def eye_line(self, o: Any, d: Any) -> Line:
+        """Return the line from `o`, which is at the camera, in the unit direction `d`."""
+        mitsuba = self.mitsuba
+        o, d = mitsuba.Point3f(o), mitsuba.Vector3f(d)
+        nest = () if self.solids is None else self.solids.start()
+        return Line(o, d, mitsuba.Float(0), mitsuba.UInt32(NO_FACE), nest)
+
+    def passing(self, line: Line, end: Any, active: Any) -> Any:
+        """Return the part of light that solids leave on `line` up to `end` meters along it.
+
+        Color3f; one where `end` is infinite, and outside of solids.
+        """
+        if self.solids is None:
+            return self.mitsuba.Color3f(1)
+        there = active & (end < self.drjit.inf)
+        return self.solids.passing(line.nest, end - line.along, there)
+
+    def _layer(
+        self, si: Any, row: Any, cosine: Any, nested: Any, relative: Any, active: Any
+    ) -> Layer:
+        """Return the material of object `row`.
+
+        Where `nested`, the surface lies inside of a solid, and F₀ follows from the index
+        `relative`.
+        """
+        drjit = self.drjit
         color, number = self._color, self._number
         coverage, light = self._coverage_and_light(si, row, active)
         reflectance = number("reflectance", row, active)
+        refracts = number("refracts", row, active) > 0
+        index = number("index", row, active)
+        if relative is not None:
+            index = drjit.select(refracts, relative, index)
+            within = drjit.square((index - 1) / (index + 1))
+            reflectance = drjit.select(refracts & nested, within, reflectance)
         fresnel = self.mitsuba.Float(0)
         if "reflectance" in self.has:
             fresnel = schlick(self.drjit, reflectance, cosine)
@@ -129,10 +181,9 @@ class Surfaces:
             opaque=number("opaque", row, active) > 0,
             isotropic=number("isotropic", row, active) > 0,
             unshadowed=number("unshadowed", row, active) > 0,
-            refracts=number("refracts", row, active) > 0,
-            index=number("index", row, active),
+            refracts=refracts,
+            index=index,
             facets=number("facets", row, active),
-            absorption=color("absorption", row, active),
             spread=number("spread", row, active),
         )
 
@@ -180,7 +231,6 @@ def _values(item: Object, texture: int) -> dict[str, npt.NDArray[np.float32]]:
         "refracts": refracts,
         "index": material.index,
         "facets": interface_roughness(material) if refracts else 0,
-        "absorption": absorption(item) if refracts else BLACK,
         "spread": 0 if material.opaque else spread(material.collimation),
         "texture": texture,
     }
