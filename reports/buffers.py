@@ -78,7 +78,8 @@ def _plate(context: ReportContext, panel: Panel, cell: Record) -> Artifact:
 
     heading = f"{panel.title}: {cell.method}"
     try:
-        found = draw(cell.scene, cell.method, size=cell.size, effects=cell.effects)
+        shading = [cell.shading] if cell.shading else []
+        found = draw(cell.scene, cell.method, size=cell.size, effects=cell.effects, shading=shading)
     except OitbenchError as error:
         return Note(f"{heading}: {error}")
     shown = [item for item in found if item.facts.view or item.facts.name == _IMAGE]

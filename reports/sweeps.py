@@ -1,9 +1,9 @@
 """Error over the value of one numeric parameter, of a scene, a method or the shared shading.
 
 A curve joins cells that differ in that parameter alone; it needs three values. The truth is the one
-that ranks methods under the effects of the cells. A dotted line marks the default.
-`python -m tests.benchmarks.sweeps` runs the sweeps of the near plane and of the parameters of
-phenomenological transparency.
+that ranks methods under the effects of the cells; for settings of shading, which exact compositing
+shares, it is matched tracing. A dotted line marks the default. `python -m tests.benchmarks.sweeps`
+runs the sweeps of the near plane, of shadow maps and of phenomenological transparency.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ from oitbench.report.artifacts import Row
 from oitbench.report.cells import largest_noise_floor
 from oitbench.results.schema import Record
 from oitbench.shading import PARAMETERS as SHADING
-from oitbench.truths import TRUTHS
+from oitbench.truths import MATCHED, TRUTHS
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -73,8 +73,15 @@ class Curve:
 
     @property
     def truth(self) -> str:
-        """The truth that ranks methods under the effects of these cells."""
-        return self.cells[0].ranking_truth
+        """The truth that ranks methods; for shading, which exact compositing shares, `MATCHED`."""
+        return MATCHED if self.axis.owner == "shading" else self.cells[0].ranking_truth
+
+    @property
+    def text(self) -> str:
+        """The method, and the settings of shading that are not the defaults, in several lines."""
+        shading = self.labels["shading"]
+        text = self.labels["method"] + ("" if shading == "shading" else f"\n{shading}")
+        return text.replace("[", "\n[")
 
     def errors(self, metric: str) -> list[float]:
         """Return the error of each cell; NaN if it has none."""
@@ -210,7 +217,7 @@ def _draw(axes: Axes, context: ReportContext, axis: Axis, curves: Sequence[Curve
             marker=("o", "s", "^", "D", "v")[place % 5],
             markersize=4,
             linewidth=1.2,
-            label=curve.labels["method"],
+            label=curve.text,
         )
     default, first = curves[0].default, curves[0]
     if default is not None:
@@ -234,6 +241,7 @@ def _table(context: ReportContext, curves: Sequence[Curve]) -> Artifact:
         columns.SCENE,
         columns.METHOD,
         Column("effects", "Effects", kind="text"),
+        Column("shading", "Shading", kind="text", help="settings of shared shading"),
         Column("truth", "Truth", kind="text"),
         Column("value", "Value"),
         Column(context.flip, "FLIP", decimals=4, help=f"mean {context.flip} against the truth"),
@@ -252,6 +260,6 @@ def _rows(context: ReportContext, curve: Curve) -> Iterator[Row]:
     errors = curve.errors(context.flip)
     for value, cell, error in zip(curve.values, curve.cells, errors, strict=True):
         yield (
-            curve.axis.key, cell.scene, cell.method, cell.effects, TRUTHS[curve.truth], value,
-            None if math.isnan(error) else error,
+            curve.axis.key, cell.scene, cell.method, cell.effects, cell.shading,
+            TRUTHS[curve.truth], value, None if math.isnan(error) else error,
         )  # fmt: skip

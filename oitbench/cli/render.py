@@ -74,7 +74,7 @@ def command(
     from oitbench.matrix import picture
     from oitbench.matrix.targets import LIST, draw
 
-    rest = effects, collections, timeout, memory_gib
+    rest = effects, collections, timeout, memory_gib, shading
     if targets == [LIST]:
         _print_list(draw(scene, method, targets, size, ssaa or 1, *rest))
         return
@@ -83,9 +83,9 @@ def command(
     if out.suffix not in (".exr", ".png"):
         raise UsageError(f"{out}: unknown format of a picture; end the name in .exr or .png")
     if targets:
-        _write(out, targets, draw(scene, method, targets, size, ssaa or 1, *rest, shading))
+        _write(out, targets, draw(scene, method, targets, size, ssaa or 1, *rest))
         return
-    image, exposure = picture.render(scene, method, size, ssaa or 2, *rest, shading)
+    image, exposure = picture.render(scene, method, size, ssaa or 2, *rest)
     if out.suffix == ".exr":
         images.write_exr(out, image)
     else:

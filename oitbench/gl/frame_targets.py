@@ -95,16 +95,14 @@ def choose(frame: Frame, method: Method, name: str) -> FrameTarget:
     found = targets_of(frame, method)
     if name in found:
         return found[name]
-    lacking = _lacking(frame, method, name)
+    lacking, scene = _lacking(frame, method, name), frame.scene.scene
     if not lacking:
         if name in _NEEDS:
-            raise UsageError(
-                f"target {name}: {frame.scene.scene.name} has no such map as it is shaded"
-            )
+            raise UsageError(f"target {name}: {scene.name} has no such map as it is shaded")
         raise UsageError(f"{unknown('target', name, found)} (all: {', '.join(sorted(found))})")
     wanted = " or ".join(names(lacking))
-    if not lacking & frame.scene.scene.effects:
-        reason = f"which {frame.scene.scene.name} does not request"
+    if not lacking & scene.effects:
+        reason = f"which {scene.name} does not request"
     elif not lacking & method.shows:
         reason = f"which {method.label} does not express"
     else:

@@ -1,4 +1,4 @@
-"""Run the sweeps of the near plane and of the parameters of phenomenological transparency.
+"""Run the sweeps of the near plane, of shadow maps and of phenomenological transparency.
 
     python -m tests.benchmarks.sweeps [--size 128x128] [--out results/sweeps] [NAME ...]
 
@@ -6,7 +6,7 @@
 all. Equation 5 of McGuire & Mara 2017 weighs layers by window depth, which depends on the near
 plane. Its sweep goes up to the near plane of each scene, just in front of the content, and compares
 the equation with the weight of the authors' engine, under the effects that exact compositing draws.
-The others vary each parameter in a scene where it acts, against path tracing.
+The others vary each parameter in a scene where it acts, against matched tracing.
 """
 
 from __future__ import annotations
@@ -17,23 +17,26 @@ from dataclasses import dataclass
 import oitbench
 from oitbench.cli.options import parse_size
 from oitbench.method.ablation import REQUESTED
+from oitbench.truths import EXACT, MATCHED
 
 COMPOSITING = "-refraction,-diffusion,-volume"
 
 
 @dataclass(frozen=True)
 class Sweep:
-    """Scenes and methods with lists of values, and the effects that run."""
+    """Scenes, methods and settings of shading with lists of values, and the effects that run."""
 
     scenes: tuple[str, ...]
     methods: tuple[str, ...]
     effects: str = REQUESTED
+    shading: tuple[str, ...] = ()
 
 
 def _one(scene: str, parameters: str) -> Sweep:
     return Sweep((scene,), (f"phenomenological[{parameters}]",))
 
 
+_SHADOWED = ("bottles", "shadow_trio")
 SWEEPS = {
     "near": Sweep(
         (
@@ -50,6 +53,8 @@ SWEEPS = {
     "radius": _one("frosted_door", "radius=0.03,0.0625,0.125,0.25,0.5,precision=half"),
     "dz": _one("tumblers", "reach=fixed,dz=0.02,0.05,0.1,0.3,1,2,precision=half"),
     "subsample": _one("foggy_street", "subsample=1,2,4,precision=paper,half"),
+    "shadow_map": Sweep(_SHADOWED, ("a_buffer",), shading=("shadow_map=256,512,1024,2048,4096",)),
+    "downsampling": Sweep(_SHADOWED, ("a_buffer",), shading=("downsampling=1,2,4,8",)),
 }
 
 
@@ -62,10 +67,11 @@ def main() -> None:
     options = parser.parse_args()
     for name in options.names or SWEEPS:
         sweep = SWEEPS[name]
-        preset = "guard" if sweep.effects == COMPOSITING else "quick"
+        truth = EXACT if sweep.effects == COMPOSITING else MATCHED
         summary = oitbench.run(
-            sweep.scenes, sweep.methods, preset, options.size, options.out, effects=[sweep.effects]
-        )
+            sweep.scenes, sweep.methods, "guard", options.size, options.out,
+            effects=[sweep.effects], truths=[truth], shading=sweep.shading,
+        )  # fmt: skip
         print(f"{name}: {summary}", flush=True)
     print(f"next: oitbench report {options.out}")
 

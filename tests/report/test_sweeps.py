@@ -50,6 +50,17 @@ def test_a_parameter_of_the_scene_has_a_curve_for_each_variant(tmp_path: Path) -
     assert rows["method"].to_list() == [name for name in names for _ in VALUES]
 
 
+def test_a_setting_of_shading_is_swept(tmp_path: Path) -> None:
+    settings = ("shadow_map=256", "", "shadow_map=4096")
+    cells = [cell(tmp_path, "panes", "murk", 0.1, shading=setting) for setting in settings]
+    (figure, _), rows = swept(tmp_path, *cells)
+    assert isinstance(figure, Figure)
+    assert figure.title == "shadow_map of the shading"
+    assert rows["value"].to_list() == [256, 1024, 4096]
+    assert set(rows["truth"]) == {"matched tracing"}
+    assert rows["shading"].to_list() == ["shadow_map=256", "", "shadow_map=4096"]
+
+
 def test_the_default_is_a_value(tmp_path: Path) -> None:
     texts = ("[k0=0.1]", "", "[k0=0.9]")
     cells = [cell(tmp_path, "panes", f"phenomenological{text}", 0.1) for text in texts]
@@ -70,7 +81,7 @@ def test_the_truth_ranks_the_effects_of_the_cells(tmp_path: Path) -> None:
     ]
     _, rows = swept(tmp_path, *cells)
     found = dict(zip(rows["scene"], rows["truth"], strict=True))
-    assert found == {"panes": "exact compositing", "glass": "path tracing"}
+    assert found == {"panes": "exact compositing", "glass": "matched tracing"}
 
 
 def test_texts_sizes_and_two_values_are_no_sweep(tmp_path: Path) -> None:
