@@ -50,9 +50,7 @@ class Cell(Struct, frozen=True):
     @property
     def key(self) -> CellKey:
         """The cell's place in a store."""
-        return CellKey(
-            self.scene, self.method, self.size, self.ssaa, self.effects, self.shading
-        )
+        return CellKey(self.scene, self.method, self.size, self.ssaa, self.effects, self.shading)
 
     def record(self, status: Status, reason: str = "", **fields: Any) -> Record:
         """Return the record of this cell.

@@ -82,9 +82,7 @@ def time_cells(
         for scored in cells:
             name = str(scored.cell.key)
             if name in measured.times:
-                found[name] = _checked(
-                    frames[name], collection, scored.cell, measured.times[name]
-                )
+                found[name] = _checked(frames[name], collection, scored.cell, measured.times[name])
     return [found[str(scored.cell.key)] for scored in cells]
 
 

@@ -230,6 +230,11 @@ def _ablation(complete: Record, record: Record) -> Ablation:
 
 def _title(place: _Place, several: Iterable[bool]) -> str:
     scene, (width, height), ssaa, effects, shading = place
-    settings = (f"{width} × {height}", f"ssaa {ssaa}", f"effects {effects}", f"shading {shading or 'default'}")
+    settings = (
+        f"{width} × {height}",
+        f"ssaa {ssaa}",
+        f"effects {effects}",
+        f"shading {shading or 'default'}",
+    )
     shown = [text for text, differs in zip(settings, several, strict=True) if differs]
     return " · ".join([scene, *shown])

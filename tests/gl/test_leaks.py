@@ -84,7 +84,11 @@ def bench(plugins: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Ite
     """A bench that builds each scene once and has small shadow maps, for speed."""
     collection = Collection.load([plugins])
     monkeypatch.setattr(collection, "build_scene", cache(collection.build_scene))
-    monkeypatch.setattr(oitbench.matrix.bench, "UploadedScene", partial(UploadedScene, settings=ShadingSettings(shadow_map=64)))
+    monkeypatch.setattr(
+        oitbench.matrix.bench,
+        "UploadedScene",
+        partial(UploadedScene, settings=ShadingSettings(shadow_map=64)),
+    )
     with Bench(collection, tmp_path / "out") as bench:
         yield bench
 

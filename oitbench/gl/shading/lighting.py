@@ -87,7 +87,9 @@ class Lighting(Owner):
                 self._environment = self.own(upload_environment(device, texels))
                 harmonics = irradiance_harmonics(texels)
             self.medium = self.own(UploadedMedium(device, scene.medium))
-            self.block = self.own(device.context.buffer(self._bytes(harmonics, settings.shadow_map)))
+            self.block = self.own(
+                device.context.buffer(self._bytes(harmonics, settings.shadow_map))
+            )
 
     def _bytes(self, harmonics: Floats, map_side: int) -> bytes:
         parts = []
@@ -141,7 +143,9 @@ class Lighting(Owner):
             ]
             cases.append(f"    if (i == {number}) {{\n{maps.visibility(number)}    }}")
         head = "vec3 beam_visibility(int i, Receiver receiver) {"
-        return "\n".join([*lines, head, "    vec3 lit = vec3(1.0);", *cases, "    return lit;", "}"])
+        return "\n".join(
+            [*lines, head, "    vec3 lit = vec3(1.0);", *cases, "    return lit;", "}"]
+        )
 
     def prepare(self) -> None:
         """Draw all shadow maps unless they are drawn: they do not depend on the camera."""

@@ -120,8 +120,7 @@ class OpacitySlices(Owner):
             depth="nothing",
             depth_writes=False,
             clears=("nothing",),
-            defines=constants
-            | {LIGHT_VIEW: 1, "FIRST": self._first, "THICKNESS": self._thickness},
+            defines=constants | {LIGHT_VIEW: 1, "FIRST": self._first, "THICKNESS": self._thickness},
         )
         self._chain.add(draw, blueprint, _LABEL, geometry.casting)
         light = Resolve(
