@@ -38,7 +38,7 @@ def test_a_label_names_its_settings() -> None:
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ("shadow=1", "did you mean 'shadow_map'"),
+        ("shadow=1", "did you mean shadow_map"),
         ("translucent=best", "choose from published, occluders, slices"),
         ("shadow_map=8", "at least 16"),
         ("shadow_map=1022", "multiple of downsampling"),

@@ -43,7 +43,9 @@ def _read_kind(ctx: click.Context, parameter: click.Parameter, value: str | None
 )
 @options.collections
 def command(kind: str | None, as_json: bool, measure: bool, collections: tuple[Path, ...]) -> None:
-    """List methods, scenes, effects, settings of shading or reports, with their parameters. Default: all of them.
+    """List methods, scenes, effects, settings of shading or reports, with their parameters.
+
+    Default: all of them.
 
     `oitbench list methods --measure` prints the table of methods of the README.
     """

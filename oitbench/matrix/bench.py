@@ -213,7 +213,7 @@ class Bench:
         )
 
     def _prepare(self, cell: Cell) -> Stage:
-        """Return the stage of the cell's scene. It is kept while scene, size and settings stay the same."""
+        """Return the stage of the cell's scene, kept while scene, size and settings stay."""
         wanted = (cell.scene, cell.size, cell.ssaa, cell.shading)
         stage = self._stage
         if stage is not None and stage.identity == wanted:

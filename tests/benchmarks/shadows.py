@@ -2,9 +2,9 @@
 
     python -m tests.benchmarks.shadows [--out FILE]
 
-The smoke is a stack of equal layers. A wall that stands along the light shows how much of it arrives
-at each depth: rows of the picture are depths, and columns are texels of the maps. The noise is the
-root of the mean squared deviation of V below a pane that lets half of the light pass.
+The smoke is a stack of equal layers. A wall that stands along the light shows how much of it
+arrives at each depth: rows of the picture are depths, and columns are texels of the maps. The noise
+is the root of the mean squared deviation of V below a pane that lets half of the light pass.
 """
 
 from __future__ import annotations

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from tests.models.view import Floats
+from oitbench.scene import Floats
 
 
 def first_hits(taus: Sequence[float]) -> Floats:
