@@ -44,11 +44,11 @@ class ShadingSettings:
         A value is not allowed.
     """
 
-    translucent: str = OCCLUDERS
+    translucent: str = SLICES
     shadow_map: int = 1024
     downsampling: int = 4
     slices: int = 64
-    rays: int = 2
+    rays: int = 1
 
     def __post_init__(self) -> None:
         for name, value in self.values.items():

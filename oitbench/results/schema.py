@@ -215,8 +215,8 @@ class Record(_Typed, frozen=True):
     is the method's bare name. `size` is in pixels, `ssaa` the side of the sub-pixel grid of
     accuracy images, `effects` the requested set of effects, `shading` the settings of shared
     shading that differ from their defaults, and `permutations` the number of random orders of the
-    draws. `truths` were asked for. `seconds` is the wall-clock time of rendering and
-    scoring. `gl` and `fingerprints` are null if they were not known when the cell failed.
+    draws. `truths` were asked for. `seconds` is the wall-clock time of rendering and scoring. `gl`
+    and `fingerprints` are null if they were not known when the cell failed.
     """
 
     scene: str
