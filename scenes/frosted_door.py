@@ -90,9 +90,9 @@ FILL = SpotLight(
     angle=math.radians(168),
 )
 DESK_LAMP = SpotLight(
-    position=(-2.0, 1.15, 2.3),
+    position=(-3.0, 1.2, 2.3),
     target=(0.15, 1.40, 0.0),
-    intensity=(13.0, 12.4, 11.2),
+    intensity=(19.0, 18.0, 16.0),
     angle=math.radians(80),
 )
 
