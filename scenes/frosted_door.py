@@ -64,7 +64,7 @@ WINDOW_SIZE = (0.62, 0.47)
 BLINDS = 6
 DUSK: RGB = (0.030, 0.034, 0.042)
 
-GLASS = Material(transmission=(0.86, 0.90, 0.87), specular=0.04, roughness=0.0)
+GLASS = Material(transmission=(0.88, 0.88, 0.88), specular=0.04, roughness=0.0)
 WALL = Material(albedo=(0.50, 0.48, 0.44))
 PANELS = Material(albedo=(0.16, 0.10, 0.06))
 OFFICE = Material(albedo=(0.11, 0.13, 0.13))
@@ -90,9 +90,9 @@ FILL = SpotLight(
     angle=math.radians(168),
 )
 DESK_LAMP = SpotLight(
-    position=(-1.7, 1.15, 2.3),
+    position=(-3.0, 1.2, 2.3),
     target=(0.15, 1.40, 0.0),
-    intensity=(13.0, 12.4, 11.2),
+    intensity=(19.0, 18.0, 16.0),
     angle=math.radians(80),
 )
 

@@ -50,7 +50,7 @@ near = 3.0
 parameters = {
     "detail": PARTICLE_DETAIL,
     "alpha": Parameter(
-        0.03, low=0.0, high=1.0, help="coverage at the middle of a particle at detail 1"
+        0.024, low=0.0, high=1.0, help="coverage at the middle of a particle at detail 1"
     ),
     "seed": Parameter(1, low=0, help="seed of the particles"),
 }
@@ -67,20 +67,20 @@ SINK = 0.02  # depth of wood in the ground in meters, so that no two surfaces co
 GAP = 0.002  # meters between glass and the surface that it stands on
 SUNWARD: Vector = (-0.55, 1.0, 0.35)
 SUN: RGB = (6.4, 5.9, 5.0)  # irradiance
+# The ground hides the lower half.
 SURROUNDINGS = (
-    (-90.0, (0.08, 0.08, 0.08)),
-    (-3.0, (0.16, 0.17, 0.18)),
-    (3.0, (0.22, 0.27, 0.33)),
-    (90.0, (0.10, 0.15, 0.24)),
+    (-4.2, (0.0, 0.0, 0.0)),
+    (-1.4, (0.15, 0.20, 0.27)),
+    (90.0, (0.05, 0.09, 0.17)),
 )
 WOOD = Material(albedo=(0.42, 0.25, 0.13), specular=0.0)
 PAINT = Material(albedo=(0.10, 0.11, 0.13), specular=0.0)
 EARTH = Material(albedo=(0.17, 0.16, 0.14), specular=0.0)
 # Middle and half width of each pane in meters, its turn about y in degrees, and its transmission.
 PANES: tuple[tuple[str, Vector, float, float, RGB], ...] = (
-    ("red pane", (-1.15, 0.72, 0.95), 0.42, 24.0, (0.90, 0.22, 0.16)),
-    ("yellow pane", (-0.62, 0.80, 0.35), 0.44, -14.0, (0.94, 0.78, 0.20)),
-    ("blue pane", (0.30, 0.60, 1.15), 0.38, 12.0, (0.20, 0.42, 0.92)),
+    ("red pane", (-1.15, 0.72, 0.95), 0.42, 24.0, (0.93, 0.11, 0.07)),
+    ("yellow pane", (-0.62, 0.80, 0.35), 0.44, -14.0, (0.95, 0.66, 0.06)),
+    ("blue pane", (0.30, 0.60, 1.15), 0.38, 12.0, (0.08, 0.24, 0.92)),
 )
 # Center and size of each crate, meters.
 CRATES: tuple[tuple[Vector, Vector], ...] = (
@@ -99,7 +99,7 @@ def build(*, name: str, detail: float, alpha: float, seed: int) -> Scene:
     particles = _particles(np.random.default_rng(seed), count, camera)
     vapor = smoke(alpha, 0.90, PARTICLES, count)
     objects = (
-        Object("ground", quad((0, 0, 0), (60, 0, 0), (0, 0, -60)), EARTH, casts=False),
+        Object("ground", quad((0, 0, 0), (300, 0, 0), (0, 0, -300)), EARTH, casts=False),
         Object("crates", merge([_sunk(*crate) for crate in CRATES]), WOOD),
         Object("fence", _fence(), PAINT),
         *_solids(detail),
@@ -133,7 +133,7 @@ def _solids(detail: float) -> Iterator[Object]:
     """Yield two balls and a vase of solid glass, each on a crate."""
     slices = divisions(64, detail, 12)
     balls: tuple[tuple[str, Vector, float, RGB], ...] = (
-        ("clear ball", (1.36, 0.62 + 0.24 + GAP, 0.12), 0.24, (0.97, 0.98, 0.97)),
+        ("clear ball", (1.36, 0.62 + 0.24 + GAP, 0.12), 0.24, (0.92, 0.92, 0.92)),
         ("green ball", (-0.16, 0.42 + 0.21 + GAP, -0.62), 0.21, (0.55, 0.93, 0.66)),
     )
     for label, center, radius, transmission in balls:

@@ -45,9 +45,9 @@ SQUARE, COLUMNS, ROWS = 0.5, 28, 24
 """Edge length in decimeters and numbers of the squares of the cloth."""
 
 # Transmissions are those of one surface; light crosses at least two of them.
-CLEAR: RGB = (0.92, 0.92, 0.92)
+CLEAR: RGB = (0.97, 0.97, 0.97)
 GLASS = Material(transmission=CLEAR, index=1.5, roughness=0.0, solid=True)
-ICE = Material(transmission=(0.95, 0.95, 0.95), index=1.31, roughness=0.0, solid=True)
+ICE = Material(transmission=(0.98, 0.98, 0.98), index=1.31, roughness=0.0, solid=True)
 DRINKS: dict[str, RGB] = {
     "pomegranate": (0.95, 0.22, 0.20),
     "lime": (0.52, 0.90, 0.22),

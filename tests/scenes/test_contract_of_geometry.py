@@ -31,6 +31,8 @@ GLOWING = {
     "frosted_door": {"far window"},
 }
 """The objects that emit light in scenes with a directional or a spot light."""
+HIDING_GROUND = ("bottles", "shadow_trio", "smoke_and_glass", "smoke_ball")
+"""Scenes outdoors, or on a large table, that have a sky."""
 ROOMS = ("chess", "foggy_street", "foliage", "frosted_door", "frosted_panes", "light_shafts")
 """Scenes with walls that cast no shadow."""
 LEAST_IN_VIEW = {"foliage": 0.98, "smoke_and_glass": 0.8}
@@ -152,6 +154,26 @@ def test_the_environment_lights_the_shadows_and_few_objects_emit_light(case: str
     if len(scene.beams) == 1:
         # Inclined light casts shadows beside the casters, where they are visible.
         assert 0.4 < toward_light(scene)[1] < 0.97
+
+
+@pytest.mark.parametrize("name", HIDING_GROUND)
+def test_no_sky_shines_from_below_a_ground_that_hides_it(name: str) -> None:
+    """Light does not pass the ground, so that no surface may receive the sky below the horizon."""
+    sky = build(with_detail(name, SMALL)).environment
+    assert sky is not None
+    texels = sky.texels
+    below = texels[len(texels) // 2 + 2 :]
+    assert below.max() == 0
+    assert texels[: len(texels) // 2].min() > 0
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_clear_glass_is_gray(case: str) -> None:
+    """Colored clear glass would reflect the complementary color, which it does not transmit."""
+    for item in small(case).transparent:
+        transmission = item.material.transmission
+        if min(transmission) > 0.8:
+            assert len(set(transmission)) == 1, item.name
 
 
 @pytest.mark.parametrize("case", CASES)
