@@ -126,7 +126,7 @@ def meet_interface(
 
 def sample_interface(
     mitsuba: Any, drjit: Any, index: Any, alpha: Any, outward: Any, v: Any, one: Any, two: Any
-) -> tuple[Any, Any, Any]:
+) -> tuple[Any, Any, Any, Any]:
     """Reflect or refract at the boundary of a solid, chosen by the Fresnel equations.
 
     Parameters
@@ -151,9 +151,15 @@ def sample_interface(
         radiance changes where a path is refracted.
     passed : Bool
         Whether the direction is the refracted one.
+    rest : Float
+        A random number in [0, 1), which is independent of this choice.
     """
     found = meet_interface(mitsuba, drjit, index, alpha, outward, v, two)
     passed = one >= found.reflectance
     direction = drjit.select(passed, found.refracted, found.mirrored)
     bent = found.refracted_part * drjit.square(found.shrink)
-    return direction, drjit.select(passed, bent, found.mirrored_part), passed
+    # `one` is uniform on either side of the reflectance, and is stretched again.
+    chance = drjit.select(passed, 1 - found.reflectance, found.reflectance)
+    rest = drjit.select(passed, one - found.reflectance, one) / drjit.maximum(chance, 1e-6)
+    rest = drjit.clip(rest, 0, 1 - 2**-24)
+    return direction, drjit.select(passed, bent, found.mirrored_part), passed, rest

@@ -22,12 +22,14 @@ from oitbench.path_traced.export.scene import export
 from oitbench.path_traced.export.view import View
 from oitbench.path_traced.photons.map import CausticMap
 from oitbench.path_traced.trace.path_tracer import PathTracer, is_random
+from oitbench.path_traced.trace.sequence import Turn
 from oitbench.path_traced.trace.straight import Straight
 from oitbench.path_traced.trace.surfaces import Surfaces
 from oitbench.scene import Scene
 
-Integrator = Callable[[Any, Any, int], Any]
-"""Maps a `mitsuba.Scene`, a `Ray3f` and a seed to the radiance along the rays, Color3f."""
+Integrator = Callable[[Any, Any, Any], Any]
+"""Maps a `mitsuba.Scene`, a `Ray3f` and the random numbers' seed or `Turn` to the
+radiance along the rays, Color3f."""
 
 _PHOTONS = 4
 """Photons of a caustic map for each sub-pixel. Cells of the map are then about as large as a
@@ -108,7 +110,7 @@ def trace(
     integrator: Integrator,
     content: Any,
     rays: tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]],
-    seed: int,
+    seed: int | Turn,
 ) -> Image:
     """Return the radiance along rays.
 
@@ -120,7 +122,8 @@ def trace(
     content : mitsuba.Scene
     rays : pair of array, shape (n, 3)
         Origins in meters, and unit directions.
-    seed : int
+    seed : int or Turn
+        As the integrator takes it.
 
     Returns
     -------
@@ -130,10 +133,8 @@ def trace(
     origins, directions = rays
     if mitsuba.variant().startswith("scalar"):
         radiance = [
-            list(integrator(content, mitsuba.Ray3f(origin, direction), seed + number))
-            for number, (origin, direction) in enumerate(
-                zip(origins.tolist(), directions.tolist(), strict=True)
-            )
+            list(integrator(content, mitsuba.Ray3f(origin, direction), seed))
+            for origin, direction in zip(origins.tolist(), directions.tolist(), strict=True)
         ]
         return np.asarray(radiance, dtype=np.float32)
     ray = mitsuba.Ray3f(

@@ -13,6 +13,9 @@ import numpy as np
 
 from oitbench.scene import Medium
 
+STEPS = 32
+"""Steps by which a varying density is integrated over a line."""
+
 
 @dataclass(frozen=True, eq=False)
 class TracedMedium:
@@ -81,28 +84,68 @@ class TracedMedium:
         hit, at, rng = self._collide(o, d, near, far, rng, active)
         return self.drjit.select(hit, at, self.drjit.inf), rng
 
-    def transmittance(
-        self, o: Any, d: Any, start: Any, end: Any, rng: Any, active: Any
+    def spend(
+        self, o: Any, d: Any, start: Any, end: Any, reach: Any, active: Any
     ) -> tuple[Any, Any]:
-        """Return the transmittance of a line, and the generator of random numbers.
+        """Go along a line until an optical depth is spent.
 
-        It is exact for a constant density. For a varying one it is an unbiased estimate by ratio
-        tracking (Novák et al. 2014).
+        It is exact for a constant density; otherwise, the midpoint rule in `STEPS` steps integrates
+        the density.
+
+        Parameters
+        ----------
+        o, d : Point3f, Vector3f
+            Origin and direction of the line.
+        start, end : Float
+            Ends of the line, in meters along it.
+        reach : Float
+            The optical depth.
+        active : Bool
+
+        Returns
+        -------
+        at : Float
+            Meters along the line; infinite if the end comes first.
+        left : Float
+            What is left of `reach` at the end; negative if it is spent before.
         """
         drjit, mitsuba = self.drjit, self.mitsuba
         near, far = self.clip(o, d, start, end)
+        length = drjit.maximum(far - near, 0)
         if self.density is None:
-            return drjit.exp(-self.majorant * drjit.maximum(far - near, 0)), rng
+            at, left = near + reach / self.majorant, reach - self.majorant * length
+            return drjit.select(active & (left < 0), at, drjit.inf), left
+        part = length / STEPS
 
-        def step(at: Any, part: Any, rng: Any, active: Any) -> tuple[Any, ...]:
-            at = at - drjit.log(1 - rng.next_float32(active)) / self.majorant
-            active = active & (at < far)
-            part = drjit.select(active, part * (1 - self._relative(o + d * at, active)), part)
-            return at, part, rng, active & (part > 0)
+        def step(index: Any, at: Any, left: Any, active: Any) -> tuple[Any, ...]:
+            middle = near + (mitsuba.Float(index) + 0.5) * part
+            depth = self.extinction(o + d * middle, active) * part
+            spent = active & (left < depth)
+            at = drjit.select(spent, near + (mitsuba.Float(index) + left / depth) * part, at)
+            left = drjit.select(active, left - depth, left)
+            index = index + 1
+            return index, at, left, active & ~spent & (index < STEPS)
 
-        state = (near, mitsuba.Float(1), rng, active & (near < far) & (self.majorant > 0))
-        _, part, rng, _ = drjit.while_loop(state, lambda *v: v[3], step)
-        return part, rng
+        state = mitsuba.UInt32(0), mitsuba.Float(drjit.inf), reach, active & (length > 0)
+        _, at, left, _ = drjit.while_loop(state, lambda *v: v[3], step)
+        return at, left
+
+    def transmittance(self, o: Any, d: Any, start: Any, end: Any, active: Any) -> Any:
+        """Return the transmittance of a line, as exactly as `spend`."""
+        drjit, mitsuba = self.drjit, self.mitsuba
+        near, far = self.clip(o, d, start, end)
+        length = drjit.maximum(far - near, 0)
+        if self.density is None:
+            return drjit.exp(-self.majorant * length)
+        part = length / STEPS
+
+        def step(index: Any, depth: Any, active: Any) -> tuple[Any, ...]:
+            p = o + d * (near + (mitsuba.Float(index) + 0.5) * part)
+            depth = depth + drjit.select(active, self.extinction(p, active) * part, 0)
+            return index + 1, depth, active & (index + 1 < STEPS)
+
+        state = mitsuba.UInt32(0), mitsuba.Float(0), active & (length > 0)
+        return drjit.exp(-drjit.while_loop(state, lambda *v: v[2], step)[1])
 
     def phase(self, cosine: Any) -> Any:
         """Return the phase function of Henyey & Greenstein, sr⁻¹.

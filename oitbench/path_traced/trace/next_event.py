@@ -13,6 +13,7 @@ looks from one of them, which reservoir sampling selects in proportion to the un
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 from oitbench.path_traced.trace.hits import Hit, Line
@@ -22,7 +23,7 @@ from oitbench.path_traced.trace.reservoirs import Candidate, Reservoir, Reservoi
 from oitbench.path_traced.trace.surfaces import Surfaces
 from oitbench.scene import Scene
 
-CrossInterface = Callable[[Line, Hit, Any, Any], tuple[Line, Any, Any]]
+CrossInterface = Callable[[Line, Hit, Any, Any, Any, Any], tuple[Line, Any, Any, Any]]
 """Crosses the boundary of a refracting solid; see `PathTracer`."""
 LEAST_SHARE = 0.1
 """Part of the mean radiance that is added to the weight of a direction, as solids may refract it
@@ -62,7 +63,8 @@ class LightSampler:
         """Return reservoirs without candidates."""
         diffuse = self._environment.lights and "albedo" in self._surfaces.has
         beam = bool(self._beams)
-        needed = (beam, beam and self._medium is not None, diffuse)
+        medium = beam and self._medium is not None
+        needed = (beam, medium, medium, diffuse)
         mitsuba, drjit = self._mitsuba, self._drjit
         line = self._surfaces.eye_line(mitsuba.Point3f(0), mitsuba.Vector3f(0, 0, 1))
         found = [Reservoir.empty(mitsuba, drjit, line) if one else None for one in needed]
@@ -81,9 +83,18 @@ class LightSampler:
         return total
 
     def add_surface(
-        self, reservoirs: Reservoirs, line: Line, hit: Hit, throughput: Any, rng: Any, active: Any
+        self,
+        reservoirs: Reservoirs,
+        hit: Hit,
+        throughput: Any,
+        look: tuple[Any, Any],
+        rng: Any,
+        active: Any,
     ) -> tuple[Reservoirs, Any]:
-        """Add the candidates of a surface: one for each beam, and one for the environment."""
+        """Add the candidates of a surface: one for each beam, and one for the environment.
+
+        `look` are the random numbers of the latter's direction, Float and Point2f.
+        """
         mitsuba, drjit, layer = self._mitsuba, self._drjit, hit.layer
         active = active & (hit.outside | ~layer.refracts)
         beam, environment = reservoirs.surface_beam, reservoirs.environment
@@ -96,13 +107,11 @@ class LightSampler:
             assert beam is not None
             beam, rng = beam.add(mitsuba, drjit, found, rng, active)
         if environment is not None:
-            found, rng = self._environment_candidate(hit, throughput, rng, active)
+            found = self._environment_candidate(hit, throughput, *look)
             environment, rng = environment.add(mitsuba, drjit, found, rng, active)
-        return Reservoirs(beam, reservoirs.medium_beam, environment), rng
+        return replace(reservoirs, surface_beam=beam, environment=environment), rng
 
-    def _environment_candidate(
-        self, hit: Hit, throughput: Any, rng: Any, active: Any
-    ) -> tuple[Candidate, Any]:
+    def _environment_candidate(self, hit: Hit, throughput: Any, one: Any, two: Any) -> Candidate:
         """Return a candidate in one random direction."""
         mitsuba, drjit, layer = self._mitsuba, self._drjit, hit.layer
 
@@ -110,48 +119,52 @@ class LightSampler:
             lambert = drjit.maximum(drjit.dot(hit.n, d), 0) / drjit.pi
             return drjit.select(layer.isotropic, 1 / (4 * drjit.pi), lambert)
 
-        two = mitsuba.Point2f(rng.next_float32(active), rng.next_float32(active))
         own = drjit.select(
             layer.isotropic,
             mitsuba.warp.square_to_uniform_sphere(two),
             mitsuba.Frame3f(hit.n).to_world(mitsuba.warp.square_to_cosine_hemisphere(two)),
         )
-        one = rng.next_float32(active)
         d, chance = self._environment.sample_direction(hit.si, own, density, one, two)
         factor = throughput * layer.coverage * layer.albedo * (density(d) / chance)
         floor = mitsuba.Color3f(*[LEAST_SHARE * part for part in self._environment.mean])
         weight = drjit.mean(factor * (self._environment.radiance(d) + floor))
         infinite = mitsuba.Float(drjit.inf)
-        return Candidate(
-            hit.leaving(mitsuba, drjit, d), infinite, mitsuba.Color3f(factor), weight
-        ), rng
+        leaving = hit.leaving(mitsuba, drjit, d)
+        return Candidate(leaving, infinite, mitsuba.Color3f(factor), weight)
 
     def add_medium(
-        self, reservoirs: Reservoirs, line: Line, end: Any, throughput: Any, rng: Any, active: Any
-    ) -> tuple[Reservoirs, Any]:
+        self,
+        selected: Reservoir | None,
+        line: Line,
+        end: Any,
+        throughput: Any,
+        place: Any,
+        rng: Any,
+        active: Any,
+    ) -> tuple[Reservoir | None, Any]:
         """Add one candidate for each beam, at a random point of the medium on `line` before `end`.
 
-        The environment needs none: the path itself reaches it where it leaves the medium.
+        `place` is the random number that chooses the point. The environment needs no candidate: the
+        path itself reaches it where it leaves the medium.
         """
         mitsuba, drjit, medium = self._mitsuba, self._drjit, self._medium
         assert medium is not None
-        selected = reservoirs.medium_beam
+        if selected is None:
+            return None, rng
         near, far = medium.clip(line.o, line.d, line.along, end)
         crosses = active & (near < far)
         for light in self._beams:
-            one = rng.next_float32(crosses)
-            at, chance = light.sample_distance(line.o, line.d, near, far, medium.falloff, one)
+            at, chance = light.sample_distance(line.o, line.d, near, far, medium.falloff, place)
             p = line.o + line.d * drjit.select(crosses, at, 0)
             toward, distance, arriving = light.toward(p)
-            part, rng = medium.transmittance(line.o, line.d, near, at, rng, crosses)
+            part = medium.transmittance(line.o, line.d, near, at, crosses)
             part *= medium.extinction(p, crosses) * medium.phase(drjit.dot(toward, line.d)) / chance
             value = throughput * medium.albedo * arriving * part
             part *= self._surfaces.passing(line, at, crosses)
             leaving = line.scattered(p, toward)
             found = Candidate(leaving, distance, value, drjit.mean(value))
-            assert selected is not None
             selected, rng = selected.add(mitsuba, drjit, found, rng, crosses)
-        return Reservoirs(reservoirs.surface_beam, selected, reservoirs.environment), rng
+        return selected, rng
 
     def _transmittance(self, line: Line, limit: Any, active: Any) -> Any:
         """Return the transmittance of all surfaces on a straight line up to `limit`."""
@@ -175,22 +188,21 @@ class LightSampler:
     def selected_light(self, reservoirs: Reservoirs, rng: Any, cross: CrossInterface) -> Any:
         """Return the light of the selected candidates, with everything that is in the way."""
         found = self._mitsuba.Color3f(0)
-        for reservoir in (reservoirs.surface_beam, reservoirs.medium_beam):
+        beams = reservoirs.surface_beam, reservoirs.single_beam, reservoirs.medium_beam
+        for reservoir in beams:
             if reservoir is not None:
-                light, rng = self._selected_beam(reservoir, rng)
-                found += light
+                found += self._selected_beam(reservoir)
         if reservoirs.environment is not None:
             found += self._selected_environment(reservoirs.environment, rng, cross)
         return found
 
-    def _selected_beam(self, selected: Reservoir, rng: Any) -> tuple[Any, Any]:
+    def _selected_beam(self, selected: Reservoir) -> Any:
         line, lit = selected.line, selected.total > 0
         light = selected.value * selected.total * self._transmittance(line, selected.limit, lit)
         if self._medium is not None:
             o, d, start, end = line.o, line.d, line.along, selected.limit
-            part, rng = self._medium.transmittance(o, d, start, end, rng, lit)
-            light *= part
-        return self._drjit.select(lit, light, 0), rng
+            light *= self._medium.transmittance(o, d, start, end, lit)
+        return self._drjit.select(lit, light, 0)
 
     def _selected_environment(self, selected: Reservoir, rng: Any, cross: CrossInterface) -> Any:
         mitsuba, drjit, medium = self._mitsuba, self._drjit, self._medium
@@ -215,7 +227,9 @@ class LightSampler:
             throughput = drjit.select(film, tinted, throughput)
             line = line.onward(drjit, hit, here & hit.valid & ~solid)
             if refracts:
-                line, factor, rng = cross(line, hit, rng, solid)
+                one, two = rng.next_float32(solid), rng.next_float32(solid)
+                two = mitsuba.Point2f(two, rng.next_float32(solid))
+                line, factor, _, rng = cross(line, hit, one, two, rng, solid)
                 throughput = drjit.select(solid, throughput * factor, throughput)
             if medium is not None:
                 two = mitsuba.Point2f(rng.next_float32(collides), rng.next_float32(collides))

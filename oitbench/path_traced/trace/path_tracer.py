@@ -13,7 +13,7 @@ the path looks for light at every layer, and the image is free of noise.
 from __future__ import annotations
 
 import importlib
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from oitbench.path_traced.optics.reflection import (
@@ -27,6 +27,7 @@ from oitbench.path_traced.trace.lights import TracedEnvironment
 from oitbench.path_traced.trace.medium import TracedMedium
 from oitbench.path_traced.trace.next_event import LightSampler
 from oitbench.path_traced.trace.reservoirs import Reservoirs
+from oitbench.path_traced.trace.sequence import EVEN_BOUNCES, Choices, Turn
 from oitbench.path_traced.trace.surfaces import Surfaces
 from oitbench.scene import Scene
 
@@ -64,14 +65,27 @@ class Path:
         Part of the light from ahead that reaches the eye.
     bounces : UInt32
         How often the path has changed its direction.
+    choices : Choices
+        Random numbers for the first choices, as far as they are not spent.
     rng : PCG32
+        For all others.
     """
 
     line: Line
     light: Any
     throughput: Any
     bounces: Any
+    choices: Choices
     rng: Any
+
+    def draw(self, drjit: Any, even: Any, active: Any) -> Any:
+        """Return the random number `even`, or another one if the path has turned often."""
+        early = self.bounces < EVEN_BOUNCES
+        return drjit.select(early, even, self.rng.next_float32(active))
+
+    def draw_pair(self, drjit: Any, even: Any, active: Any) -> Any:
+        """Return the two random numbers `even`, or others, as `draw` does."""
+        return type(even)(*(self.draw(drjit, part, active) for part in even))
 
 
 class PathTracer:
@@ -103,14 +117,15 @@ class PathTracer:
             mitsuba, self._drjit, scene, surfaces, self._environment, self._medium
         )
 
-    def __call__(self, content: Any, ray: Any, seed: int) -> Any:
+    def __call__(self, content: Any, ray: Any, turn: Turn) -> Any:
         """Return the radiance along `ray`."""
         mitsuba, drjit = self._mitsuba, self._drjit
         count = ray.o.shape[1]
         line = self._surfaces.eye_line(ray.o, ray.d)
-        rng = mitsuba.PCG32(size=count, initstate=drjit.opaque(mitsuba.UInt64, seed))
+        rng = mitsuba.PCG32(size=count, initstate=drjit.opaque(mitsuba.UInt64, turn.seed))
         color = mitsuba.Color3f
-        path = Path(line, color(0), color(self._basic), mitsuba.UInt32(0), rng)
+        choices = turn.choices(mitsuba, drjit, count)
+        path = Path(line, color(0), color(self._basic), mitsuba.UInt32(0), choices, rng)
         reservoirs = self._sampler.empty() if self._random else None
         state = (path, reservoirs, mitsuba.Bool(True))
         path, reservoirs, _ = drjit.while_loop(state, lambda *v: v[2], self._advance)
@@ -168,8 +183,10 @@ class PathTracer:
             found = self._sampler.beam_light(path.line, hit, struck)
             path.light = path.light + drjit.select(struck, path.throughput * found, 0)
             return path, reservoirs
+        choices = path.choices
+        look = path.draw(drjit, choices.source, struck), path.draw_pair(drjit, choices.sky, struck)
         reservoirs, path.rng = self._sampler.add_surface(
-            reservoirs, path.line, hit, path.throughput, path.rng, struck
+            reservoirs, hit, path.throughput, look, path.rng, struck
         )
         return path, reservoirs
 
@@ -179,12 +196,22 @@ class PathTracer:
         """Scatter the paths that collide before `hit`; return also which paths do not."""
         drjit, mitsuba, line, medium = self._drjit, self._mitsuba, path.line, self._medium
         assert medium is not None
-        at, path.rng = medium.sample_free_path(line.o, line.d, line.along, hit.at, path.rng, active)
+        straight, choices, sampler = path.bounces == 0, path.choices, self._sampler
+        part = line.o, line.d, line.along, hit.at
+        free, path.rng = medium.sample_free_path(*part, path.rng, active & ~straight)
+        at, choices.reach = medium.spend(*part, choices.reach, active & straight)
+        at = drjit.select(straight, at, free)
         collides = active & (at < drjit.inf)
         p = line.o + line.d * drjit.select(collides, at, 0)
-        reservoirs, path.rng = self._sampler.add_medium(
-            reservoirs, line, hit.at, path.throughput, path.rng, active
+        end, through = hit.at, path.throughput
+        place = path.rng.next_float32(active)
+        single, path.rng = sampler.add_medium(
+            reservoirs.single_beam, line, end, through, choices.place, path.rng, active & straight
         )
+        several, path.rng = sampler.add_medium(
+            reservoirs.medium_beam, line, end, through, place, path.rng, active & ~straight
+        )
+        reservoirs = replace(reservoirs, single_beam=single, medium_beam=several)
         two = mitsuba.Point2f(path.rng.next_float32(collides), path.rng.next_float32(collides))
         d = medium.sample_phase(line.d, two)
         passing = self._surfaces.passing(line, drjit.minimum(at, hit.at), active)
@@ -201,10 +228,11 @@ class PathTracer:
         a refracting solid.
         """
         drjit, mitsuba, has = self._drjit, self._mitsuba, self._surfaces.has
-        layer, line, rng = hit.layer, path.line, path.rng
-        film = struck & ~layer.refracts
-        one = rng.next_float32(film)
-        two = mitsuba.Point2f(rng.next_float32(film), rng.next_float32(film))
+        layer, line = hit.layer, path.line
+        film, choices = struck & ~layer.refracts, path.choices
+        one = path.draw(drjit, choices.side, struck)
+        two = path.draw_pair(drjit, choices.facet, struck)
+        pair = one, two
         spreads = layer.spread > 0
         passing = layer.coverage * layer.passing
         straight = (1 - layer.coverage) + drjit.select(spreads, 0, passing)
@@ -221,6 +249,8 @@ class PathTracer:
             drjit.select(spread_on, spread / parts[1], mirror / parts[2]),
         )
         weight = drjit.select(total > 0, weight * total, 0)
+        # A number that has decided is uniform within its interval, which is stretched again.
+        choices.side = drjit.select(film & goes, one / parts[0], choices.side)
         path.line = line.onward(drjit, hit, film & goes)
         d = line.d
         if "spread" in has:
@@ -231,28 +261,29 @@ class PathTracer:
         path.line = path.line.turned(drjit, hit, d, film & ~goes)
         path.bounces = path.bounces + drjit.select(film & ~goes, mitsuba.UInt32(1), 0)
         path.throughput = drjit.select(film, path.throughput * weight, path.throughput)
-        path.rng = rng
         if "refracts" in has:
             solid = struck & layer.refracts
-            path.line, factor, path.rng = self._cross(path.line, hit, path.rng, solid)
+            path.line, factor, rest, path.rng = self._cross(path.line, hit, *pair, path.rng, solid)
+            choices.side = drjit.select(solid, rest, choices.side)
             path.throughput = drjit.select(solid, path.throughput * factor, path.throughput)
             path.bounces = path.bounces + drjit.select(solid, mitsuba.UInt32(1), 0)
         return path
 
-    def _cross(self, line: Line, hit: Hit, rng: Any, active: Any) -> tuple[Line, Any, Any]:
+    def _cross(
+        self, line: Line, hit: Hit, one: Any, two: Any, rng: Any, active: Any
+    ) -> tuple[Line, Any, Any, Any]:
         """Refract or reflect a line at the boundary of a solid.
 
-        Return the new line, the factor on the radiance from beyond, and the generator of random
-        numbers.
+        Return the new line, the factor on the radiance from beyond, a random number that `one`
+        leaves, and the generator of random numbers.
         """
         drjit, mitsuba, layer = self._drjit, self._mitsuba, hit.layer
-        one, missing = rng.next_float32(active), rng.next_float32(active)
-        two = mitsuba.Point2f(rng.next_float32(active), rng.next_float32(active))
+        missing = rng.next_float32(active)
         v, geometric = -line.d, mitsuba.Vector3f(hit.si.n)
         # The interpolated normal, unless it is on the other side of the triangle.
         normal = drjit.select(hit.outside, hit.n, -hit.n)
         normal = drjit.select(drjit.dot(normal, geometric) > 0, normal, geometric)
-        d, weight, passed = sample_interface(
+        d, weight, passed, rest = sample_interface(
             mitsuba, drjit, layer.index, layer.facets, normal, v, one, two
         )
         gloss = hit.outside & ~passed & (layer.roughness > 0)
@@ -268,4 +299,4 @@ class PathTracer:
         factor = mitsuba.Color3f(drjit.select(there, weight, 1))
         factor = drjit.select(there & passed, factor * kept, factor)
         onward = line.onward(drjit, hit, active & ~there)
-        return onward.turned(drjit, hit, d, active & there, passed), factor, rng
+        return onward.turned(drjit, hit, d, active & there, passed), factor, rest, rng

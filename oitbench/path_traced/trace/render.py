@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import ModuleType
 from typing import Any
 
@@ -21,6 +21,7 @@ from oitbench.path_traced.trace.integrators import (
     trace,
 )
 from oitbench.path_traced.trace.path_tracer import is_random
+from oitbench.path_traced.trace.sequence import Turn
 from oitbench.scene import Scene
 
 Progress = Callable[[int, int], None]
@@ -41,10 +42,11 @@ class Estimate:
     mean : array, shape (h, w, 3), float32
         Linear Rec.709 radiance, top row first.
     variance : array, shape (h, w, 3), float32
-        Variance of that mean.
+        Variance of that mean, or more: samples of one half are spread evenly (see `sequence`), so
+        that their mean varies less than that of independent ones.
     halves : pair of array, shape (h, w, 3), float32
         Means of the even and of the odd samples; with caustics, of the samples of the even and of
-        the odd caustic maps. Their difference is the noise floor.
+        the odd caustic maps. They are independent.
     spp : int
         Samples that were taken for each sub-pixel.
     """
@@ -103,13 +105,15 @@ def render(
     content, make = prepare(scene, view, mitsuba, seed)
     samples = spp if is_random(scene) else 1
     shared = -(-samples // _MAPS) if Effect.CAUSTICS in scene.effects else 1
-    statistics = _Statistics()
-    for first in range(0, samples, shared):
-        integrator = make(first)
+    statistics, taken = _Statistics(), [0, 0]
+    for group, first in enumerate(range(0, samples, shared)):
+        integrator, half = make(first), group % 2
         total: Any = 0.0
         last = min(first + shared, samples)
         for sample in range(first, last):
-            image = _sample(mitsuba, integrator, content, view, (seed, sample))
+            turn = Turn(0, _seed(seed, half), taken[half], 0, view.width, ssaa)
+            image = _sample(mitsuba, integrator, content, view, (seed, sample), turn)
+            taken[half] += 1
             require_finite_rays(scene, image)
             total = total + box_downsample(image, ssaa)
             if progress is not None:
@@ -119,17 +123,29 @@ def render(
 
 
 def _sample(
-    mitsuba: ModuleType, integrator: Integrator, content: Any, view: View, key: tuple[int, int]
+    mitsuba: ModuleType,
+    integrator: Integrator,
+    content: Any,
+    view: View,
+    key: tuple[int, int],
+    turn: Turn,
 ) -> Image:
-    """Return one sample of each sub-pixel, shape (h, w, 3)."""
+    """Return one sample of each sub-pixel, shape (h, w, 3).
+
+    `key` holds the seed and the number of the sample.
+    """
     count = view.width * view.height
     image = np.empty((count, 3), dtype=np.float32)
     for number, first in enumerate(range(0, count, _CHUNK)):
         last = min(first + _CHUNK, count)
-        state = int(np.random.SeedSequence((*key, number)).generate_state(1)[0])
+        turn = replace(turn, seed=_seed(*key, number), first=first)
         rays = view.rays(first, last)
-        image[first:last] = trace(mitsuba, integrator, content, rays, state)
+        image[first:last] = trace(mitsuba, integrator, content, rays, turn)
     return image.reshape(view.height, view.width, 3)
+
+
+def _seed(*key: int) -> int:
+    return int(np.random.SeedSequence(key).generate_state(1)[0])
 
 
 def _check(size: tuple[int, int], ssaa: int, spp: int) -> None:

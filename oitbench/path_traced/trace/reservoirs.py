@@ -82,11 +82,13 @@ class Reservoir:
 class Reservoirs:
     """Reservoirs for beams on surfaces, for beams in a medium, and for the environment.
 
+    Light that is scattered once, on the straight part of a path, has a reservoir of its own.
     They are None where a scene lacks the light. They are separate because the weights ignore
     shadows: a strong light that is shadowed must not keep lights of the other kinds from being
     selected.
     """
 
     surface_beam: Reservoir | None
+    single_beam: Reservoir | None
     medium_beam: Reservoir | None
     environment: Reservoir | None
