@@ -87,6 +87,15 @@ class Path:
         """Return the two random numbers `even`, or others, as `draw` does."""
         return type(even)(*(self.draw(drjit, part, active) for part in even))
 
+    def draw_facet(self, drjit: Any, active: Any) -> Any:
+        """Return two random numbers for a direction in which the path goes on.
+
+        Directions of one path must be independent, so only the first one is evenly spread.
+        """
+        even = self.choices.facet
+        other = type(even)(self.rng.next_float32(active), self.rng.next_float32(active))
+        return drjit.select(self.bounces == 0, even, other)
+
 
 class PathTracer:
     """An integrator (see `integrators.Integrator`).
@@ -204,7 +213,7 @@ class PathTracer:
         collides = active & (at < drjit.inf)
         p = line.o + line.d * drjit.select(collides, at, 0)
         end, through = hit.at, path.throughput
-        place = path.rng.next_float32(active)
+        place = path.draw(drjit, choices.place, active)
         single, path.rng = sampler.add_medium(
             reservoirs.single_beam, line, end, through, choices.place, path.rng, active & straight
         )
@@ -212,7 +221,7 @@ class PathTracer:
             reservoirs.medium_beam, line, end, through, place, path.rng, active & ~straight
         )
         reservoirs = replace(reservoirs, single_beam=single, medium_beam=several)
-        two = mitsuba.Point2f(path.rng.next_float32(collides), path.rng.next_float32(collides))
+        two = path.draw_facet(drjit, collides)
         d = medium.sample_phase(line.d, two)
         passing = self._surfaces.passing(line, drjit.minimum(at, hit.at), active)
         path.throughput = path.throughput * passing
@@ -231,7 +240,7 @@ class PathTracer:
         layer, line = hit.layer, path.line
         film, choices = struck & ~layer.refracts, path.choices
         one = path.draw(drjit, choices.side, struck)
-        two = path.draw_pair(drjit, choices.facet, struck)
+        two = path.draw_facet(drjit, struck)
         pair = one, two
         spreads = layer.spread > 0
         passing = layer.coverage * layer.passing
