@@ -35,15 +35,24 @@ def test_the_numbers_of_a_pixel_leave_no_gaps() -> None:
         # Two rows of two sub-pixels.
         own = np.sort(places[:, :2, pixel : pixel + 2].ravel())
         gaps = np.diff(own, append=own[0] + 1)
-        assert gaps.max() < 4 / len(own)
+        # There is one number in each interval of the length 1/n.
+        assert gaps.max() < 2 / len(own)
     assert len(np.unique(places)) > 0.99 * places.size
 
 
-def test_blocks_are_shifted_and_parts_of_a_picture_are_not() -> None:
+def test_pairs_of_numbers_leave_no_gaps_in_the_square() -> None:
+    mitsuba, drjit = llvm.load(), importlib.import_module("drjit")
+    turns = [Turn(0, 3, number, 0, 1, 1) for number in range(SAMPLES)]
+    pairs = [turn.choices(mitsuba, drjit, 1).facet.numpy().ravel() for turn in turns]
+    # One point in each of 16 boxes, of each shape.
+    for across in (1, 2, 4, 8, 16):
+        boxes = np.floor(np.asarray(pairs) * (across, SAMPLES // across)).astype(int)
+        assert len(np.unique(boxes, axis=0)) == SAMPLES
+
+
+def test_blocks_are_independent_and_parts_of_a_picture_are_not() -> None:
     places = _places(7)
-    shifts = (_places(8) - places)[:, :2, :2] % 1
-    np.testing.assert_allclose(shifts, shifts[0, 0, 0], atol=1e-6)
-    assert 1e-3 < shifts[0, 0, 0] < 1 - 1e-3
+    assert len(np.intersect1d(places, _places(8))) < 0.01 * places.size
     later = _places(7, first=2 * WIDTH)
     np.testing.assert_array_equal(later[:, :2], places[:, 2:])
 

@@ -100,15 +100,15 @@ class BranchingWalk(StraightWalk):
         mitsuba, drjit = self._mitsuba, self._drjit
         sight = self._start(ray, turn)
         stack = Stack.empty(mitsuba, drjit, len(sight.line.nest))
-        state = sight, mitsuba.UInt32(0), mitsuba.Bool(True), stack, mitsuba.Bool(True)
+        state = sight, mitsuba.UInt32(0), mitsuba.UInt32(0), stack, mitsuba.Bool(True)
         return drjit.while_loop(state, lambda *v: v[4], self._follow)[0].light
 
     def _follow(
-        self, sight: Sight, turns: Any, clear: Any, stack: Stack, active: Any
+        self, sight: Sight, turns: Any, spread: Any, stack: Stack, active: Any
     ) -> tuple[Any, ...]:
         """Go on behind the next surface, or with a branch that waits.
 
-        `clear` says whether no surface has spread the path so far.
+        `spread` is how often surfaces have spread the path so far.
         """
         mitsuba, drjit = self._mitsuba, self._drjit
         hit = self._surfaces.intersect(sight.line, active)
@@ -121,9 +121,11 @@ class BranchingWalk(StraightWalk):
             rng = sight.rng
             two = mitsuba.Point2f(rng.next_float32(hit.fresh), rng.next_float32(hit.fresh))
             assert sight.choices is not None
-            two = drjit.select(clear, sight.choices.facet, two)
-            spreads = drjit.select(solid, hit.layer.facets, hit.layer.spread) > 0
-            clear = clear & ~(hit.fresh & spreads)
+            # A path is spread by independent numbers: as it enters a pane and as it leaves it.
+            two = drjit.select(spread == 1, sight.choices.sky, two)
+            two = drjit.select(spread == 0, sight.choices.facet, two)
+            rough = drjit.select(solid, hit.layer.facets, hit.layer.spread) > 0
+            spread = spread + drjit.select(hit.fresh & rough, mitsuba.UInt32(1), 0)
         self._pass_film(sight, hit, stack, two, hit.fresh & ~solid)
         self._cross(sight, hit, stack, two, solid)
         sight.line = sight.line.onward(drjit, hit, hit.valid & ~hit.fresh)
@@ -133,7 +135,8 @@ class BranchingWalk(StraightWalk):
         sight.line = branch.line.where(drjit, found, sight.line)
         sight.throughput = drjit.select(found, branch.throughput, sight.throughput)
         turns = drjit.select(found, 0, turns)
-        return sight, turns, clear & ~found, stack, goes_on | found
+        spread = drjit.select(found, MAX_TURNS, spread)
+        return sight, turns, spread, stack, goes_on | found
 
     def _pass_film(self, sight: Sight, hit: Hit, stack: Stack, two: Any, film: Any) -> None:
         """Go straight on behind a film, or into a random direction behind a frosted one."""
