@@ -8,27 +8,9 @@ from oitbench.path_traced import llvm
 from oitbench.path_traced.references.storage import Reference, Rendering
 from oitbench.path_traced.trace.path_tracer import is_random
 from oitbench.path_traced.trace.render import Estimate, Progress, render
+from oitbench.path_traced.trace.samples import default_samples
 from oitbench.path_traced.version import TRACER
 from oitbench.scene import Scene
-
-# Samples for each sub-pixel, so that a picture of 256 × 256 takes some minutes.
-PARTICLES_SPP = 4
-"""For scenes with particles, of which a ray crosses a hundred."""
-MEDIUM_SPP = 128
-"""For scenes with a medium, in which a path looks for light from a single point."""
-REFRACTION_SPP = 32
-"""For scenes with refracting solids, as their paths are long and photons are traced, too."""
-DEFAULT_SPP = 64
-"""For all other scenes. Those that need no random numbers get a single sample."""
-
-
-def default_spp(scene: Scene) -> int:
-    """Return how many samples each sub-pixel of a reference gets by default."""
-    if any(item.particles for item in scene.objects):
-        return PARTICLES_SPP
-    if scene.medium is not None:
-        return MEDIUM_SPP
-    return REFRACTION_SPP if any(item.material.refracts for item in scene.objects) else DEFAULT_SPP
 
 
 def noise_floor(estimate: Estimate, exposure: float) -> dict[str, float | None]:
@@ -60,7 +42,7 @@ def plan_rendering(
     ssaa : int
         Side of the sub-pixel grid.
     spp : int, optional
-        Samples for each sub-pixel. Default: `default_spp(scene)`. Scenes that need no random
+        Samples for each sub-pixel. Default: `default_samples(scene)`. Scenes that need no random
         numbers always get one.
     seed : int
     """
@@ -68,7 +50,7 @@ def plan_rendering(
         scene=label,
         size=size,
         ssaa=ssaa,
-        spp=(spp or default_spp(scene)) if is_random(scene) else 1,
+        spp=(spp or default_samples(scene)) if is_random(scene) else 1,
         seed=seed,
         tracer=TRACER,
         mitsuba=str(llvm.backend().mitsuba),
