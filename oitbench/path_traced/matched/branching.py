@@ -14,6 +14,7 @@ from oitbench.effects import Effect
 from oitbench.path_traced.matched.straight import Sight, StraightWalk
 from oitbench.path_traced.optics.reflection import meet_interface, sample_spread
 from oitbench.path_traced.trace.hits import Hit, Line
+from oitbench.path_traced.trace.sequence import Turn
 from oitbench.path_traced.trace.surfaces import Surfaces
 
 WAITING = 16
@@ -94,16 +95,21 @@ class BranchingWalk(StraightWalk):
         refracts = Effect.REFRACTION in effects and "refracts" in surfaces.has
         return refracts or (Effect.DIFFUSION in effects and "spread" in surfaces.has)
 
-    def __call__(self, content: Any, ray: Any, seed: int) -> Any:
+    def __call__(self, content: Any, ray: Any, turn: Turn) -> Any:
         """Return the radiance along `ray`."""
         mitsuba, drjit = self._mitsuba, self._drjit
-        sight = self._start(ray, seed)
+        sight = self._start(ray, turn)
         stack = Stack.empty(mitsuba, drjit, len(sight.line.nest))
-        state = sight, mitsuba.UInt32(0), stack, mitsuba.Bool(True)
-        return drjit.while_loop(state, lambda *v: v[3], self._follow)[0].light
+        state = sight, mitsuba.UInt32(0), mitsuba.UInt32(0), stack, mitsuba.Bool(True)
+        return drjit.while_loop(state, lambda *v: v[4], self._follow)[0].light
 
-    def _follow(self, sight: Sight, turns: Any, stack: Stack, active: Any) -> tuple[Any, ...]:
-        """Go on behind the next surface, or with a branch that waits."""
+    def _follow(
+        self, sight: Sight, turns: Any, spread: Any, stack: Stack, active: Any
+    ) -> tuple[Any, ...]:
+        """Go on behind the next surface, or with a branch that waits.
+
+        `spread` is how often surfaces have spread the path so far.
+        """
         mitsuba, drjit = self._mitsuba, self._drjit
         hit = self._surfaces.intersect(sight.line, active)
         passing = self._surfaces.passing(sight.line, hit.at, active)
@@ -114,6 +120,12 @@ class BranchingWalk(StraightWalk):
         if Effect.DIFFUSION in self._effects:
             rng = sight.rng
             two = mitsuba.Point2f(rng.next_float32(hit.fresh), rng.next_float32(hit.fresh))
+            assert sight.choices is not None
+            # A path is spread by independent numbers: as it enters a pane and as it leaves it.
+            two = drjit.select(spread == 1, sight.choices.sky, two)
+            two = drjit.select(spread == 0, sight.choices.facet, two)
+            rough = drjit.select(solid, hit.layer.facets, hit.layer.spread) > 0
+            spread = spread + drjit.select(hit.fresh & rough, mitsuba.UInt32(1), 0)
         self._pass_film(sight, hit, stack, two, hit.fresh & ~solid)
         self._cross(sight, hit, stack, two, solid)
         sight.line = sight.line.onward(drjit, hit, hit.valid & ~hit.fresh)
@@ -123,7 +135,8 @@ class BranchingWalk(StraightWalk):
         sight.line = branch.line.where(drjit, found, sight.line)
         sight.throughput = drjit.select(found, branch.throughput, sight.throughput)
         turns = drjit.select(found, 0, turns)
-        return sight, turns, stack, goes_on | found
+        spread = drjit.select(found, MAX_TURNS, spread)
+        return sight, turns, spread, stack, goes_on | found
 
     def _pass_film(self, sight: Sight, hit: Hit, stack: Stack, two: Any, film: Any) -> None:
         """Go straight on behind a film, or into a random direction behind a frosted one."""

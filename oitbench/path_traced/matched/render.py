@@ -30,6 +30,7 @@ from oitbench.path_traced.trace.integrators import (
 )
 from oitbench.path_traced.trace.lights import TracedEnvironment
 from oitbench.path_traced.trace.medium import TracedMedium
+from oitbench.path_traced.trace.sequence import Turn
 from oitbench.path_traced.trace.surfaces import Surfaces
 from oitbench.scene import Scene
 from oitbench.scene.environment import ambient_of_medium
@@ -99,7 +100,7 @@ def matched(
     mitsuba = llvm.load()
     require_wide(scene, mitsuba)
     view = View(scene.camera, size[0] * ssaa, size[1] * ssaa)
-    stage = _Stage(mitsuba, scene, view, running, random)
+    stage = _Stage(mitsuba, scene, view, ssaa, running, random)
     total: Any = 0.0
     count = samples if random else 1
     for sample in range(count):
@@ -113,10 +114,17 @@ class _Stage:
     """A scene that is ready to be traced under some effects."""
 
     def __init__(
-        self, mitsuba: ModuleType, scene: Scene, view: View, effects: Effect, random: bool
+        self,
+        mitsuba: ModuleType,
+        scene: Scene,
+        view: View,
+        ssaa: int,
+        effects: Effect,
+        random: bool,
     ) -> None:
         self._mitsuba, self._drjit = mitsuba, importlib.import_module("drjit")
-        self._scene, self._view, self._effects, self._random = scene, view, effects, random
+        self._scene, self._view, self._ssaa = scene, view, ssaa
+        self._effects, self._random = effects, random
         self._exported: ExportedScene = export(scene, view, mitsuba)
         refracts = Effect.REFRACTION in effects
         self._surfaces = Surfaces.build(mitsuba, self._drjit, view, self._exported, refracts)
@@ -139,8 +147,8 @@ class _Stage:
         parts = []
         for first in range(0, count, _CHUNK):
             rays = view.rays(first, min(first + _CHUNK, count))
-            seed = _seed(*key, first)
-            parts.append(trace(self._mitsuba, walk, self._exported.content, rays, seed))
+            turn = Turn(_seed(*key, first), _seed(key[0]), key[1], first, view.width, self._ssaa)
+            parts.append(trace(self._mitsuba, walk, self._exported.content, rays, turn))
         return np.concatenate(parts).reshape(view.height, view.width, 3)
 
     def _walk(self, key: tuple[int, int]) -> Integrator:

@@ -11,6 +11,7 @@ from oitbench.path_traced.matched.medium import SingleScattering
 from oitbench.path_traced.matched.shading import Shading
 from oitbench.path_traced.matched.visibility import FAINT
 from oitbench.path_traced.trace.hits import Hit, Line
+from oitbench.path_traced.trace.sequence import Choices, Turn
 from oitbench.path_traced.trace.surfaces import Surfaces
 
 SHADOW_RAYS = 16
@@ -30,6 +31,8 @@ class Sight:
         Part of the light from ahead that reaches the eye.
     rng : PCG32 or None
         None if no effect needs random numbers.
+    choices : Choices or None
+        Evenly spread random numbers for the first choices.
     teeth : Float
         Shadow rays that the layers so far have deserved, plus a random number in [0, 1).
     """
@@ -38,6 +41,7 @@ class Sight:
     light: Any
     throughput: Any
     rng: Any
+    choices: Choices | None
     teeth: Any
 
 
@@ -76,19 +80,20 @@ class StraightWalk:
         self._surfaces, self._shading, self._environment = surfaces, shading, environment
         self._effects, self._medium, self._random = effects, medium, random
 
-    def __call__(self, content: Any, ray: Any, seed: int) -> Any:
+    def __call__(self, content: Any, ray: Any, turn: Turn) -> Any:
         """Return the radiance along `ray`."""
-        state = (self._start(ray, seed), self._mitsuba.Bool(True))
+        state = (self._start(ray, turn), self._mitsuba.Bool(True))
         return self._drjit.while_loop(state, lambda *v: v[1], self._advance)[0].light
 
-    def _start(self, ray: Any, seed: int) -> Sight:
-        mitsuba, rng = self._mitsuba, None
+    def _start(self, ray: Any, turn: Turn) -> Sight:
+        mitsuba, rng, choices = self._mitsuba, None, None
         if self._random:
-            state = self._drjit.opaque(mitsuba.UInt64, seed)
-            rng = mitsuba.PCG32(size=ray.o.shape[1], initstate=state)
+            count, state = ray.o.shape[1], self._drjit.opaque(mitsuba.UInt64, turn.seed)
+            rng = mitsuba.PCG32(size=count, initstate=state)
+            choices = turn.choices(mitsuba, self._drjit, count)
         line = self._surfaces.eye_line(ray.o, ray.d)
-        teeth = mitsuba.Float(0) if rng is None else rng.next_float32()
-        return Sight(line, mitsuba.Color3f(0), mitsuba.Color3f(1), rng, teeth)
+        teeth = mitsuba.Float(0) if choices is None else choices.side
+        return Sight(line, mitsuba.Color3f(0), mitsuba.Color3f(1), rng, choices, teeth)
 
     def _advance(self, sight: Sight, active: Any) -> tuple[Sight, Any]:
         """Go on behind the next layer."""
@@ -104,7 +109,8 @@ class StraightWalk:
         """Add the light before `hit`, of its surface where `shaded`, or of the background."""
         drjit = self._drjit
         if self._medium is not None:
-            start = sight.rng.next_float32(active)
+            assert sight.choices is not None
+            start = sight.choices.place
             shading = self._shading
             found, passed = self._medium.march(
                 sight.line, hit.at, shading.beams, shading.visibility.along, start, active

@@ -18,22 +18,12 @@ from oitbench.path_traced.references.storage import Reference, Rendering
 from oitbench.path_traced.references.wanted import Wanted
 from oitbench.path_traced.trace.path_tracer import is_random
 from oitbench.path_traced.trace.render import Estimate, Progress, render
+from oitbench.path_traced.trace.samples import default_samples
 from oitbench.path_traced.version import TRACER
 from oitbench.scene import Scene
 from oitbench.truths import MATCHED
 
 _Result = TypeVar("_Result")
-
-# Samples for each sub-pixel of a full reference, so that a picture of 256 × 256 takes some minutes.
-PARTICLES_SPP = 4
-"""For scenes with particles, of which a ray crosses a hundred."""
-MEDIUM_SPP = 128
-"""For scenes with a medium, in which a path looks for light from a single point."""
-REFRACTION_SPP = 32
-"""For scenes with refracting solids, as their paths are long and photons are traced, too."""
-DEFAULT_SPP = 64
-"""For all other scenes. Those that need no random numbers get a single sample."""
-
 
 MATCHED_RAYS = {
     Effect.VOLUME: 8,
@@ -57,15 +47,6 @@ def matched_spp(effects: Effect, grid: int) -> int:
     """
     rays = max((count for effect, count in MATCHED_RAYS.items() if effect in effects), default=1)
     return math.ceil(rays / grid**2)
-
-
-def full_spp(scene: Scene) -> int:
-    """Return how many samples each sub-pixel of a full reference gets by default."""
-    if any(item.particles for item in scene.objects):
-        return PARTICLES_SPP
-    if scene.medium is not None:
-        return MEDIUM_SPP
-    return REFRACTION_SPP if any(item.material.refracts for item in scene.objects) else DEFAULT_SPP
 
 
 def noise_floor(estimate: Estimate, exposure: float) -> dict[str, float | None]:
@@ -101,14 +82,14 @@ def plan_rendering(wanted: Wanted, spp: int | None = None, seed: int = 1) -> Ren
     ----------
     wanted : Wanted
     spp : int, optional
-        Samples for each sub-pixel, of each part. Default: `matched_spp` or `full_spp`. Pictures
-        that need no random numbers always get one.
+        Samples for each sub-pixel, of each part. Default: `matched_spp` or `default_samples`.
+        Pictures that need no random numbers always get one.
     seed : int
     """
     scene, effects, grid = wanted.scene, wanted.effects, wanted.grid
     is_matched = wanted.truth == MATCHED
     random = matched_is_random(scene, effects) if is_matched else is_random(scene)
-    default = matched_spp(effects, grid) if is_matched else full_spp(scene)
+    default = matched_spp(effects, grid) if is_matched else default_samples(scene)
     return Rendering(
         scene=wanted.label,
         truth="matched" if is_matched else "full",

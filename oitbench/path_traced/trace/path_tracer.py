@@ -79,12 +79,22 @@ class Path:
     rng: Any
 
     def draw(self, drjit: Any, even: Any, active: Any) -> Any:
-        """Return `even`, a Float or Point2f of random numbers, until the path has turned often."""
+        """Return the random number `even`, or another one if the path has turned often."""
         early = self.bounces < EVEN_BOUNCES
-        if isinstance(even, list | tuple) or len(drjit.shape(even)) > 1:
-            pair = self.rng.next_float32(active), self.rng.next_float32(active)
-            return drjit.select(early, even, type(even)(*pair))
         return drjit.select(early, even, self.rng.next_float32(active))
+
+    def draw_pair(self, drjit: Any, even: Any, active: Any) -> Any:
+        """Return the two random numbers `even`, or others, as `draw` does."""
+        return type(even)(*(self.draw(drjit, part, active) for part in even))
+
+    def draw_facet(self, drjit: Any, active: Any) -> Any:
+        """Return two random numbers for a direction in which the path goes on.
+
+        Directions of one path must be independent, so only the first one is evenly spread.
+        """
+        even = self.choices.facet
+        other = type(even)(self.rng.next_float32(active), self.rng.next_float32(active))
+        return drjit.select(self.bounces == 0, even, other)
 
 
 class PathTracer:
@@ -183,7 +193,7 @@ class PathTracer:
             path.light = path.light + drjit.select(struck, path.throughput * found, 0)
             return path, reservoirs
         choices = path.choices
-        look = path.draw(drjit, choices.source, struck), path.draw(drjit, choices.sky, struck)
+        look = path.draw(drjit, choices.source, struck), path.draw_pair(drjit, choices.sky, struck)
         reservoirs, path.rng = self._sampler.add_surface(
             reservoirs, hit, path.throughput, look, path.rng, struck
         )
@@ -203,7 +213,7 @@ class PathTracer:
         collides = active & (at < drjit.inf)
         p = line.o + line.d * drjit.select(collides, at, 0)
         end, through = hit.at, path.throughput
-        place = path.rng.next_float32(active)
+        place = path.draw(drjit, choices.place, active)
         single, path.rng = sampler.add_medium(
             reservoirs.single_beam, line, end, through, choices.place, path.rng, active & straight
         )
@@ -211,7 +221,7 @@ class PathTracer:
             reservoirs.medium_beam, line, end, through, place, path.rng, active & ~straight
         )
         reservoirs = replace(reservoirs, single_beam=single, medium_beam=several)
-        two = mitsuba.Point2f(path.rng.next_float32(collides), path.rng.next_float32(collides))
+        two = path.draw_facet(drjit, collides)
         d = medium.sample_phase(line.d, two)
         passing = self._surfaces.passing(line, drjit.minimum(at, hit.at), active)
         path.throughput = path.throughput * passing
@@ -230,7 +240,7 @@ class PathTracer:
         layer, line = hit.layer, path.line
         film, choices = struck & ~layer.refracts, path.choices
         one = path.draw(drjit, choices.side, struck)
-        two = path.draw(drjit, choices.facet, struck)
+        two = path.draw_facet(drjit, struck)
         pair = one, two
         spreads = layer.spread > 0
         passing = layer.coverage * layer.passing

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import ModuleType
 from typing import Any
 
@@ -111,7 +111,8 @@ def render(
         total: Any = 0.0
         last = min(first + shared, samples)
         for sample in range(first, last):
-            image = _sample(mitsuba, integrator, content, view, (seed, sample), (half, taken[half]))
+            turn = Turn(0, _seed(seed, half), taken[half], 0, view.width, ssaa)
+            image = _sample(mitsuba, integrator, content, view, (seed, sample), turn)
             taken[half] += 1
             require_finite_rays(scene, image)
             total = total + box_downsample(image, ssaa)
@@ -127,17 +128,17 @@ def _sample(
     content: Any,
     view: View,
     key: tuple[int, int],
-    place: tuple[int, int],
+    turn: Turn,
 ) -> Image:
     """Return one sample of each sub-pixel, shape (h, w, 3).
 
-    `key` holds the seed and the number of the sample, `place` its half and its number there.
+    `key` holds the seed and the number of the sample.
     """
     count = view.width * view.height
     image = np.empty((count, 3), dtype=np.float32)
     for number, first in enumerate(range(0, count, _CHUNK)):
         last = min(first + _CHUNK, count)
-        turn = Turn(_seed(*key, number), _seed(key[0], place[0], number, 1), place[1])
+        turn = replace(turn, seed=_seed(*key, number), first=first)
         rays = view.rays(first, last)
         image[first:last] = trace(mitsuba, integrator, content, rays, turn)
     return image.reshape(view.height, view.width, 3)

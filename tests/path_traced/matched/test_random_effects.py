@@ -137,3 +137,17 @@ def test_refraction_and_shadows_are_not_random() -> None:
     scene = _ball(GLASS)
     assert is_random(scene, scene.effects)
     assert not is_random(scene, scene.effects & ~Effect.CAUSTICS)
+
+
+def test_faint_layers_get_few_shadow_rays_without_bias() -> None:
+    # Without light of the environment, occlusion changes nothing but draws random numbers.
+    smoke = Material(0.03, albedo=PAPER)
+    layers = [floor(smoke, 50.0, 0.5 + 0.02 * number) for number in range(60)]
+    shade = Object("shade", sphere((0.3, 3.0, 0.5), 0.4, 24, 12), Material())
+    scene = Scene("smoke", ABOVE, (MATTE, *layers, shade), lights=(DOWN,), ambient_occlusion=1e-3)
+    assert is_random(scene, scene.effects)
+    exact = image(scene, scene.effects & ~Effect.AMBIENT_OCCLUSION)
+    rough = matched(scene, (6, 5), 1).reshape(-1, 3)
+    assert (np.abs(rough - exact) > 1e-4).any()
+    mean = matched(scene, (6, 5), 1, samples=256).reshape(-1, 3)
+    np.testing.assert_allclose(mean, exact, rtol=5e-3)
