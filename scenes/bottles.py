@@ -139,7 +139,7 @@ def build(*, name: str, detail: float, coverage: float) -> Scene:
         cap = Material(albedo=_shade(bottle, 0.75, 3, 0.05), specular=0.04, roughness=0.35)
         objects.append(Object(f"cap of {bottle.name}", _cap(bottle, detail), cap))
     lamp = DirectionalLight(LAMP_DIRECTION, LAMP)
-    return Scene(name, camera, tuple(objects), lights=(lamp, gradient_sky(ROOM)))
+    return Scene(name, camera, tuple(objects), lights=(lamp, gradient_sky(ROOM)), full_samples=40)
 
 
 def _plastic(bottle: Bottle, coverage: float) -> Material:

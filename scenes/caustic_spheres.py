@@ -71,7 +71,9 @@ def build(*, name: str, detail: float) -> Scene:
         intensity=(105.0, 102.0, 97.0),
         angle=math.radians(84),
     )
-    return Scene(name, camera, tuple(objects), lights=(spot, gradient_sky(SURROUNDINGS)))
+    return Scene(
+        name, camera, tuple(objects), lights=(spot, gradient_sky(SURROUNDINGS)), full_samples=16
+    )
 
 
 def _glass(index: float) -> Material:

@@ -118,6 +118,7 @@ def build(*, name: str, detail: float) -> Scene:
         objects=(*_room(), *_board(), *men),
         lights=(LAMP, _daylight()),
         meters_per_unit=0.1,
+        full_samples=96,
     )
 
 

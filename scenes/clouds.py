@@ -107,7 +107,7 @@ def build(*, name: str, detail: float, alpha: float, seed: int) -> Scene:
         mesh = _particles(cloud, random, count, camera)
         objects.append(Object(cloud.name, mesh, vapor, particles=True))
     sun = DirectionalLight(opposite(SUNWARD), SUN)
-    return Scene(name, camera, tuple(objects), lights=(sun, gradient_sky(SKY)))
+    return Scene(name, camera, tuple(objects), lights=(sun, gradient_sky(SKY)), full_samples=4)
 
 
 def _particles(cloud: Cloud, random: np.random.Generator, count: int, camera: Camera) -> Mesh:

@@ -157,6 +157,7 @@ def build(*, name: str, detail: float, seed: int, extinction: float, collimation
         objects=objects,
         lights=(*_beams(), EnvironmentLight(NIGHT)),
         medium=fog,
+        full_samples=112,
     )
 
 

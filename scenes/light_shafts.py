@@ -101,6 +101,7 @@ def build(*, name: str, detail: float, extinction: float) -> Scene:
         lights=(SUN, EnvironmentLight(SKY)),
         exposure=1.0,
         medium=fog,
+        full_samples=512,
     )
 
 

@@ -93,7 +93,7 @@ def build(*, name: str, detail: float, alpha: float, seed: int) -> Scene:
         Object("ball", sphere(BALL, RADIUS, slices, slices // 2), glass),
     )
     sun = DirectionalLight(opposite(SUNWARD), SUN)
-    return Scene(name, camera, objects, lights=(sun, gradient_sky(SURROUNDINGS)))
+    return Scene(name, camera, objects, lights=(sun, gradient_sky(SURROUNDINGS)), full_samples=16)
 
 
 def _cloud(random: np.random.Generator, count: int, camera: Camera) -> Mesh:

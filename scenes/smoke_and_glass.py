@@ -107,7 +107,7 @@ def build(*, name: str, detail: float, alpha: float, seed: int) -> Scene:
         *_panes(),
     )
     sun = DirectionalLight(opposite(SUNWARD), SUN)
-    return Scene(name, camera, objects, lights=(sun, gradient_sky(SURROUNDINGS)))
+    return Scene(name, camera, objects, lights=(sun, gradient_sky(SURROUNDINGS)), full_samples=16)
 
 
 def _particles(random: np.random.Generator, count: int, camera: Camera) -> Mesh:

@@ -118,7 +118,7 @@ def build(
         Object("smoke", particles, vapor, particles=True, receives_shadows=self_shadow),
     )
     sun = DirectionalLight(opposite(SUNWARD), SUN)
-    return Scene(name, view.camera, objects, lights=(sun, gradient_sky(SKY)))
+    return Scene(name, view.camera, objects, lights=(sun, gradient_sky(SKY)), full_samples=12)
 
 
 def _particles(random: np.random.Generator, count: int, camera: Camera) -> Mesh:

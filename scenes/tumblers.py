@@ -114,6 +114,7 @@ def build(*, name: str, detail: float) -> Scene:
             _room(),
         ),
         meters_per_unit=0.1,
+        full_samples=64,
     )
 
 

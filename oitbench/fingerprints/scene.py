@@ -38,7 +38,7 @@ _ARRAY_DIGITS = 20
 _SMALL = 1e-4
 _PLACES = frozenset({"position", "target", "low", "high"})
 """Fields that hold a point in the world as a tuple."""
-_UNSEEN = ((Scene, "name"), (Object, "name"))
+_UNSEEN = ((Scene, "name"), (Scene, "full_samples"), (Object, "name"))
 _ROUND = 0.88196601125
 """Added before rounding down: one half, and a shift by an irrational fraction of a step.
 

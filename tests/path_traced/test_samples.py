@@ -2,24 +2,25 @@
 
 from __future__ import annotations
 
-from pathlib import Path
+from dataclasses import replace
 
-from oitbench.path_traced.trace.samples import MEDIUM, OTHER, SAMPLES, default_samples
+from oitbench.fingerprints.scene import scene_fingerprint
+from oitbench.path_traced.trace.samples import MEDIUM, OTHER, PARTICLES, default_samples
 from oitbench.scene import Camera, Material, Medium, Object, Scene
 from tests.path_traced.test_render import SQUARE
 
-SCENES = Path(__file__).parents[2] / "scenes"
 
-
-def test_listed_scenes_exist() -> None:
-    assert set(SAMPLES) <= {path.stem for path in SCENES.glob("*.py")}
-
-
-def test_variants_count_as_their_scene_and_others_by_their_content() -> None:
+def test_a_scene_states_its_samples_or_they_follow_from_its_content() -> None:
     square = Object("square", SQUARE, Material())
-    camera = Camera((0.0, 0.0, 4.0))
-    for name in ("chess", "chess[detail=2]"):
-        assert default_samples(Scene(name, camera, (square,))) == SAMPLES["chess"]
-    assert default_samples(Scene("own", camera, (square,))) == OTHER
+    scene = Scene("own", Camera((0.0, 0.0, 4.0)), (square,))
     fog = Medium(1.0, (-1.0, -1.0, -1.0), (1.0, 1.0, 1.0))
-    assert default_samples(Scene("own", camera, (square,), medium=fog)) == MEDIUM
+    assert default_samples(scene) == OTHER
+    assert default_samples(replace(scene, medium=fog)) == MEDIUM
+    cloud = replace(square, particles=True)
+    assert default_samples(replace(scene, objects=(cloud,))) == PARTICLES
+    assert default_samples(replace(scene, medium=fog, full_samples=3)) == 3
+
+
+def test_samples_are_no_part_of_what_a_scene_looks_like() -> None:
+    scene = Scene("own", Camera((0.0, 0.0, 4.0)), (Object("square", SQUARE, Material()),))
+    assert scene_fingerprint(scene) == scene_fingerprint(replace(scene, full_samples=3))
