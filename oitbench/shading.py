@@ -6,8 +6,9 @@ both values. Settings do not depend on the scene, the method or the size of the 
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
+from typing import Any
 
 from oitbench import parameters
 from oitbench.errors import UsageError
@@ -127,5 +128,6 @@ def parse_shading(texts: Sequence[str]) -> tuple[ShadingSettings, ...]:
         A name is unknown, or a value is not allowed.
     """
     selected = parameters.parse(f"{_OWNER}[{','.join(texts)}]")
-    found = [ShadingSettings(**values) for values in parameters.expand(selected, PARAMETERS)]
+    combinations: Iterator[dict[str, Any]] = parameters.expand(selected, PARAMETERS)
+    found = [ShadingSettings(**values) for values in combinations]
     return tuple(dict.fromkeys(found))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
@@ -186,12 +187,16 @@ def smoky(probe: float) -> Scene:
 @pytest.mark.parametrize("form", [PUBLISHED, OCCLUDERS, SLICES])
 def test_smoke_shades_itself(device: Device, form: str) -> None:
     """Opaque probes midway between layers of smoke are lit as the model of the form says."""
-    model = {PUBLISHED: published_light, OCCLUDERS: occluder_light, SLICES: traced_light}[form]
+    models: dict[str, Callable[[list[float], list[float], float], float]] = {
+        PUBLISHED: published_light,
+        OCCLUDERS: occluder_light,
+        SLICES: traced_light,
+    }
     for number, height in enumerate(HEIGHTS, start=1):
         probe = height - 0.2
         shown = float(lit(device, smoky(probe), form=form)[12:20, 12:20].mean())
         above = [-h for h in HEIGHTS[:number]]
-        expected = model(above, [0.7] * number, -probe)
+        expected = models[form](above, [0.7] * number, -probe)
         np.testing.assert_allclose(shown, expected, atol=2e-3 if form == SLICES else 0.03)
 
 

@@ -147,10 +147,9 @@ class OpacitySlices(Owner):
             if name.startswith("depth"):
                 into.terms.append(Term(_LABEL, name, "atomic", drawn + rays * texels, 2 * _WORD))
             else:
-                into.terms += [
-                    Term(_LABEL, name, kind, (rays + last) * texels, _WORD)
-                    for kind, last in (("read", 1), ("write", 0))
-                ]
+                # The last read is the copy to the texture.
+                into.terms.append(Term(_LABEL, name, "read", (rays + 1) * texels, _WORD))
+                into.terms.append(Term(_LABEL, name, "write", rays * texels, _WORD))
         for name in self.textures:
             into.terms.append(Term(_LABEL, name, "write", texels, _WORD // 2))
 
