@@ -6,7 +6,7 @@ both values. Settings do not depend on the scene, the method or the size of the 
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -128,5 +128,6 @@ def parse_shading(texts: Sequence[str]) -> tuple[ShadingSettings, ...]:
         A name is unknown, or a value is not allowed.
     """
     selected = parameters.parse(f"{_OWNER}[{','.join(texts)}]")
-    grid: Iterable[dict[str, Any]] = parameters.expand(selected, PARAMETERS)
-    return tuple(dict.fromkeys(ShadingSettings(**values) for values in grid))
+    combinations: Iterator[dict[str, Any]] = parameters.expand(selected, PARAMETERS)
+    found = [ShadingSettings(**values) for values in combinations]
+    return tuple(dict.fromkeys(found))

@@ -163,7 +163,7 @@ def assert_only_requested(scene: Scene, chosen: Method, frame: Rendered) -> None
         if Effect.SHADOWS in running:
             expected.add(f"opaque_map{number}")
         if Effect.TRANSLUCENT_SHADOWS in running:
-            expected |= {f"filtered{k}_map{number}" for k in range(channels)}
+            expected |= {f"slices{k}_map{number}" for k in range(channels)}
         assert {map_ for map_ in frame.maps if map_.endswith(f"_map{number}")} == expected
 
 

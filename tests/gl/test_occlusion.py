@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -97,12 +98,9 @@ def found_openness(device: Device, scene: Scene) -> npt.NDArray[np.float64]:
 
 
 def with_openness(
-    device: Device,
-    scene: Scene,
-    values: npt.NDArray[np.float64] | float,
-    effects: Effect | None = None,
+    device: Device, scene: Scene, values: npt.NDArray[np.float64] | float, **options: Any
 ) -> Image:
-    with opened(device, scene, "alpha_blend", SIZE, effects) as frame:
+    with opened(device, scene, "alpha_blend", SIZE, **options) as frame:
         set_openness(frame, values)
         frame.render()
         return frame.image()

@@ -187,17 +187,16 @@ def smoky(probe: float) -> Scene:
 @pytest.mark.parametrize("form", [PUBLISHED, OCCLUDERS, SLICES])
 def test_smoke_shades_itself(device: Device, form: str) -> None:
     """Opaque probes midway between layers of smoke are lit as the model of the form says."""
-    models: dict[str, Callable[..., float]] = {
+    models: dict[str, Callable[[list[float], list[float], float], float]] = {
         PUBLISHED: published_light,
         OCCLUDERS: occluder_light,
         SLICES: traced_light,
     }
-    model = models[form]
     for number, height in enumerate(HEIGHTS, start=1):
         probe = height - 0.2
         shown = float(lit(device, smoky(probe), form=form)[12:20, 12:20].mean())
         above = [-h for h in HEIGHTS[:number]]
-        expected = model(above, [0.7] * number, -probe)
+        expected = models[form](above, [0.7] * number, -probe)
         np.testing.assert_allclose(shown, expected, atol=2e-3 if form == SLICES else 0.03)
 
 

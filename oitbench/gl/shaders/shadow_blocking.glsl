@@ -17,7 +17,8 @@ float caustic_factor(float index, float cosine) {
 vec3 kept_back(Fragment fragment) {
     vec3 kept = fragment.coverage * (1.0 - fragment.transmission);
 #ifdef GRAY
-    kept = vec3(dot(kept, vec3(1.0 / 3.0)));
+    // The mean, without rounding where all channels are equal.
+    kept = vec3(kept.r + ((kept.g - kept.r) + (kept.b - kept.r)) / 3.0);
 #endif
     return min(kept * caustic_factor(fragment.index, fragment.incidence), vec3(1.0));
 }

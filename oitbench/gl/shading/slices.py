@@ -147,6 +147,7 @@ class OpacitySlices(Owner):
             if name.startswith("depth"):
                 into.terms.append(Term(_LABEL, name, "atomic", drawn + rays * texels, 2 * _WORD))
             else:
+                # The last read is the copy to the texture.
                 into.terms.append(Term(_LABEL, name, "read", (rays + 1) * texels, _WORD))
                 into.terms.append(Term(_LABEL, name, "write", rays * texels, _WORD))
         for name in self.textures:
