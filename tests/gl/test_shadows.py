@@ -273,7 +273,7 @@ def test_downsampling_moves_no_shadow(device: Device, form: str, downsampling: i
     # The map covers all casters, and so both sides of the edge.
     far = Object("far", quad((-2, 1, 0), (0.1, 0, 0), (0, 0, -1.5)), nearly)
     scene = Scene("edge", ABOVE, (FLOOR, half, far), lights=(SUN,))
-    found = lit(device, scene, form=form, shadow_map=128, downsampling=downsampling)
+    found = lit(device, scene, form=form, shadow_map=128, downsampling=downsampling, rays=8)
     np.testing.assert_allclose(found.mean(), 0.5, atol=0.008)
 
 
