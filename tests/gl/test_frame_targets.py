@@ -16,6 +16,7 @@ from oitbench.gl.frame_targets import choose, targets_of
 from oitbench.method.declaration import Method
 from oitbench.modeling.mesh import quad
 from oitbench.scene import Camera, DirectionalLight, Material, Object, Scene
+from oitbench.shading import OCCLUDERS, ShadingSettings
 from tests.helpers import collection, method, opened
 
 SIZE = (32, 24)
@@ -100,7 +101,8 @@ def test_maps_of_shading_are_named_by_beam_and_join_their_channels(device: Devic
         ),
         lights=(down, DirectionalLight((0.1, -1, 0), (1, 1, 1))),
     )
-    with opened(device, scene, "alpha_blend", SIZE) as frame:
+    settings = ShadingSettings(OCCLUDERS)
+    with opened(device, scene, "alpha_blend", SIZE, settings=settings) as frame:
         frame.render()
         found = targets_of(frame, method("alpha_blend"))
         values = found["shadow_map"].read()

@@ -5,20 +5,17 @@ from __future__ import annotations
 import ctypes
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from functools import cache, partial
+from functools import cache
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-import oitbench.matrix.bench
 from oitbench.errors import OitbenchError
 from oitbench.gl.device import Device
-from oitbench.gl.uploaded_scene import UploadedScene
 from oitbench.matrix.bench import Bench
 from oitbench.matrix.cell import Cell
 from oitbench.plugins import Collection
-from oitbench.shading import ShadingSettings
 
 KINDS = ("Buffer", "Framebuffer", "Program", "Query", "Sampler", "Shader", "Texture", "VertexArray")
 NAMES = 1024
@@ -27,6 +24,8 @@ CREATORS = (
     "vertex_array",
 )  # fmt: skip
 CELLS = 50
+SMALL = "shadow_map=64"
+"""Shading of the cells, for speed."""
 # Shadows, occlusion, a medium, lists, and targets of two resolutions.
 VICTIMS = (
     ("smoke_and_glass[detail=0.02]", "phenomenological[subsample=4]"),
@@ -81,14 +80,9 @@ def failing(device: Device, call: int) -> Iterator[list[str]]:
 
 @pytest.fixture
 def bench(plugins: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Bench]:
-    """A bench that builds each scene once and has small shadow maps, for speed."""
+    """A bench that builds each scene once, for speed."""
     collection = Collection.load([plugins])
     monkeypatch.setattr(collection, "build_scene", cache(collection.build_scene))
-    monkeypatch.setattr(
-        oitbench.matrix.bench,
-        "UploadedScene",
-        partial(UploadedScene, settings=ShadingSettings(shadow_map=64)),
-    )
     with Bench(collection, tmp_path / "out") as bench:
         yield bench
 
@@ -103,7 +97,7 @@ def attempt(bench: Bench, cell: Cell, call: int) -> tuple[str, int]:
 
 def test_no_object_is_left_when_a_creation_fails(bench: Bench) -> None:
     cells = [
-        Cell(scene, method, (16, 16), 1, permutations=1, truths=("exact",))
+        Cell(scene, method, (16, 16), 1, permutations=1, truths=("exact",), shading=SMALL)
         for scene, method in VICTIMS
     ]
     whole = [attempt(bench, cell, -1) for cell in cells]
@@ -120,11 +114,12 @@ def test_no_object_is_left_when_a_creation_fails(bench: Bench) -> None:
 
 def test_no_object_is_left_of_methods_and_scenes_that_fail(bench: Bench) -> None:
     cells = [
-        Cell("calm", method, (8, 8), 1, truths=("exact",))
+        Cell("calm", method, (8, 8), 1, truths=("exact",), shading=SMALL)
         for method in ("broken", "demanding", "unstable")
     ]
     cells += [
-        Cell(scene, "alpha_blend", (8, 8), 1, truths=("exact",)) for scene in ("raiser", "poisoned")
+        Cell(scene, "alpha_blend", (8, 8), 1, truths=("exact",), shading=SMALL)
+        for scene in ("raiser", "poisoned")
     ]
     expected = ["failed", "failed", "unstable", "failed", "failed"]
     assert [bench.run(cell).status for cell in cells] == expected
