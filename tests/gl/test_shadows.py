@@ -243,7 +243,9 @@ def test_sheets_do_not_shade_themselves(device: Device, form: str, tilt: float) 
     sheet = Material(coverage=0.6, albedo=(1, 1, 1), specular=0.0)
     right = (1.5 * math.cos(tilt), 1.5 * math.sin(tilt), 0.0)
     pane = Object("pane", quad((0, 1, 0), right, (0, 0, -1.5)), sheet)
-    scene = Scene("sheet", ABOVE, (pane,), lights=(SUN,))
+    # Another caster far below makes the slices thick.
+    low = Object("low", quad((2, -3, 0), (0.1, 0, 0), (0, 0, -0.1)), sheet)
+    scene = Scene("sheet", ABOVE, (pane, low), lights=(SUN,))
     effects, settings = scene.effects & ALL, ShadingSettings(form)
     with opened(device, scene, "a_buffer", SIZE, effects=effects, settings=settings) as frame:
         frame.render()
