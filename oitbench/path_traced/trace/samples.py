@@ -9,14 +9,14 @@ from __future__ import annotations
 from oitbench.scene import Scene
 
 SAMPLES = {
-    "atrium_fog": 48,
+    "atrium_fog": 24,
     "bottles": 40,
     "caustic_spheres": 16,
     "chess": 96,
     "clouds": 4,
     "foggy_street": 112,
-    "frosted_door": 32,
-    "frosted_panes": 20,
+    "frosted_door": 16,
+    "frosted_panes": 16,
     "light_shafts": 512,
     "shadow_trio": 16,
     "smoke_and_glass": 16,
