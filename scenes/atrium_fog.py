@@ -104,7 +104,7 @@ def build(*, name: str, detail: float, extinction: float) -> Scene:
         objects=tuple(map(_glowing, (*_floors(), *_arcades(detail), *_banners(detail)))),
         lights=(EnvironmentLight(AMBIENT),),
         medium=fog,
-        full_samples=48,
+        full_samples=24,
     )
 
 

@@ -116,7 +116,7 @@ def build(*, name: str, detail: float, collimation: float) -> Scene:
         camera=Camera(position=(0.12, 1.42, 2.5), target=(0, 1.37, 0), fov_y=math.radians(40)),
         objects=objects,
         lights=(CORRIDOR_LAMP, FILL, DESK_LAMP, EnvironmentLight(DUSK)),
-        full_samples=32,
+        full_samples=16,
     )
 
 

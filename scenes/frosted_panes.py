@@ -91,7 +91,7 @@ def build(*, name: str, detail: float, distance: float) -> Scene:
             DirectionalLight(direction=(0.6, -0.85, -0.8), irradiance=(2.9, 2.8, 2.6)),
             room((0.24, 0.26, 0.30), (0.18, 0.19, 0.21), (0.10, 0.10, 0.10)),
         ),
-        full_samples=20,
+        full_samples=16,
     )
 
 

@@ -12,7 +12,7 @@ from oitbench.path_traced import llvm
 from oitbench.path_traced.trace.render import render
 from oitbench.path_traced.trace.sequence import Turn
 from oitbench.scene import Camera, Floats, Material, Medium, Object, Scene
-from tests.path_traced.agreement import needs_mitsuba
+from tests.path_traced.agreement import assert_mean, needs_mitsuba
 
 pytestmark = needs_mitsuba
 
@@ -66,3 +66,13 @@ def test_samples_in_fog_are_spread_evenly() -> None:
     # Independent samples would have this deviation.
     independent = math.sqrt(passed * (1 - passed) / (4 * 32))
     assert np.sqrt((error**2).mean()) < 0.4 * independent
+
+
+def test_choices_of_one_path_are_independent() -> None:
+    # Between two half mirrors, of the light t² / (1 − r²) passes with t = r = 1/2.
+    half = Material(transmission=(1.0, 1.0, 1.0), specular=0.5, roughness=0.0)
+    sheets = [Object(f"sheet {z}", quad((0, 0, z), (90, 0, 0), (0, 90, 0)), half) for z in (0, -1)]
+    wall = Object("wall", quad((0, 0, -3), (90, 0, 0), (0, 90, 0)), Material(emission=(1, 1, 1)))
+    camera = Camera((0.0, 0.0, 6.0), fov_y=0.001)
+    estimate = render(Scene("mirrors", camera, (*sheets, wall)), (16, 16), 2, 64)
+    assert_mean(estimate, [1 / 3] * 3)

@@ -259,7 +259,10 @@ class PathTracer:
         )
         weight = drjit.select(total > 0, weight * total, 0)
         # A number that has decided is uniform within its interval, which is stretched again.
-        choices.side = drjit.select(film & goes, one / parts[0], choices.side)
+        past = drjit.select(goes, 0, drjit.select(spread_on, parts[0], parts[0] + parts[1]))
+        part = drjit.select(goes, parts[0], drjit.select(spread_on, parts[1], parts[2]))
+        rest = drjit.clip((one - past) / drjit.maximum(part, 1e-30), 0, 1 - 2**-24)
+        choices.side = drjit.select(film, rest, choices.side)
         path.line = line.onward(drjit, hit, film & goes)
         d = line.d
         if "spread" in has:
