@@ -1,4 +1,4 @@
-"""Three clear balls and a clear knot over a light floor, with their caustics under a spot light.
+"""Three clear balls and a clear knot over a tiled floor, with their caustics under a spot light.
 
 Stands for figures 10 and 11 of McGuire & Mara 2017, "Phenomenological Transparency".
 
@@ -7,12 +7,13 @@ Parameters
 detail : float
     Factor on the number of triangles.
 near : float
-    Distance of the near plane from the camera, m. The floor begins at 4.7 m in the picture.
+    Distance of the near plane from the camera, m. The knot begins at 5.0 m in the picture.
 
 The balls have the refractive indices 1.0, 1.3 and 1.5. The first is a tinted volume that does not
 refract and casts an even shadow. The others focus light in the middle of their shadows, the more
 the higher their index. The knot is a knotted ring of index 1.5, and light through it crosses
-several walls. All four have the same tint. The floor is not uniform because the light is inclined.
+several walls. All four have the same tint. Pale tiles show how they bend the view, and are smooth
+enough to show the caustics.
 """
 
 from __future__ import annotations
@@ -22,7 +23,8 @@ import math
 import numpy as np
 
 from oitbench.modeling.detail import DETAIL, divisions
-from oitbench.modeling.mesh import quad, sphere
+from oitbench.modeling.mesh import sphere
+from oitbench.modeling.patterns import checkers
 from oitbench.modeling.surroundings import gradient_sky
 from oitbench.scene import (
     RGB,
@@ -45,6 +47,9 @@ parameters = {
 
 TINT: RGB = (0.90, 0.82, 0.68)  # transmission of one wall
 RADIUS = 0.42
+# Tiles of the floor: rows and columns of 0.3 m, and their albedo.
+TILES, TILE = 100, 0.3
+PALE, GRAY = 0.64, 0.42
 HEIGHT = 0.70  # of the middles above the floor, meters
 # Refractive index of each ball, and its x, meters.
 BALLS = ((1.0, -1.65), (1.3, -0.55), (1.5, 0.55))
@@ -57,9 +62,13 @@ SURROUNDINGS = ((-90.0, (0.08, 0.08, 0.08)), (0.0, (0.20, 0.20, 0.21)), (90.0, (
 
 def build(*, name: str, detail: float) -> Scene:
     """Return the floor, the balls by ascending index, and the knot."""
-    camera = Camera(position=(0.0, 4.8, 4.0), target=(0.07, 0.34, 0.06), fov_y=math.radians(45))
-    paper = Material(albedo=(0.62, 0.62, 0.62), specular=0.0)
-    objects = [Object("floor", quad((0, 0, 0), (30, 0, 0), (0, 0, -30)), paper, casts=False)]
+    camera = Camera(position=(0.0, 4.8, 4.0), target=(0.07, 0.30, 0.0), fov_y=math.radians(40))
+    half = TILES * TILE / 2
+    pale, gray = checkers((0, 0, 0), (half, 0, 0), (0, 0, -half), TILES, TILES)
+    objects = [
+        Object("pale tiles", pale, Material(albedo=(PALE,) * 3, specular=0.0), casts=False),
+        Object("gray tiles", gray, Material(albedo=(GRAY,) * 3, specular=0.0), casts=False),
+    ]
     slices = divisions(96, detail, 12)
     for index, x in BALLS:
         ball = sphere((x, HEIGHT, 0.0), RADIUS, slices, slices // 2)

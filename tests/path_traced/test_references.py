@@ -18,7 +18,7 @@ from oitbench.path_traced.references.check import check, failure_folder
 from oitbench.path_traced.references.storage import Reference, Rendering
 from oitbench.path_traced.references.wanted import REFRACTED_SSAA
 from oitbench.path_traced.references.z_test import z_test
-from oitbench.path_traced.trace.render import Estimate, Progress
+from oitbench.path_traced.trace.render import Progress
 from oitbench.path_traced.version import TRACER
 from oitbench.places import own_folder
 from oitbench.scene import Camera, DirectionalLight, Material, Medium, Object, Scene
@@ -180,16 +180,16 @@ def test_without_noise_the_z_test_accepts_rounding_to_half_floats_only() -> None
     assert not z_test(truth * np.float32(1.01), half, variance).passed
 
 
-def test_the_noise_floor_is_the_error_between_the_halves() -> None:
+def test_the_noise_floor_is_half_the_difference_of_the_halves() -> None:
     first = np.full((16, 16, 3), 0.5, dtype=np.float32)
     second = first + np.float32(0.25)
-    floor = rendering.noise_floor(Estimate(first, first, (first, second), 2), 0.0)
-    assert floor["rmse_lin"] == pytest.approx(0.25)
+    floor = rendering.noise_floor((first, second), 0.0)
+    assert floor["rmse_lin"] == pytest.approx(0.125)
     assert floor["flip_hdr@67ppd"] is not None
     flip = floor["flip_ldr@67ppd"]
     assert flip is not None
     assert flip > 0.01
-    none = rendering.noise_floor(Estimate(first, first, (first, first), 2), 0.0)
+    none = rendering.noise_floor((first, first), 0.0)
     assert set(none.values()) == {0}
 
 

@@ -17,7 +17,7 @@ from oitbench.path_traced.matched.render import matched
 from oitbench.path_traced.references.storage import Reference, Rendering
 from oitbench.path_traced.references.wanted import Wanted
 from oitbench.path_traced.trace.path_tracer import is_random
-from oitbench.path_traced.trace.render import Estimate, Progress, render
+from oitbench.path_traced.trace.render import Progress, render
 from oitbench.path_traced.trace.samples import default_samples
 from oitbench.path_traced.version import TRACER
 from oitbench.scene import Scene
@@ -49,18 +49,16 @@ def matched_spp(effects: Effect, grid: int) -> int:
     return math.ceil(rays / grid**2)
 
 
-def noise_floor(estimate: Estimate, exposure: float) -> dict[str, float | None]:
-    """Return the difference between the two halves of the samples, by metric."""
-    first, second = estimate.halves
-    return {
-        metrics.FLIP_LDR: metrics.flip_ldr(first, second, exposure),
-        metrics.FLIP_HDR: metrics.flip_hdr(first, second, exposure),
-        metrics.RMSE: metrics.rmse(first, second),
-    }
+def noise_floor(parts: tuple[Image, ...], exposure: float) -> dict[str, float | None]:
+    """Return the error that the noise of a reference causes, by metric.
 
-
-def parts_floor(parts: tuple[Image, ...], exposure: float) -> dict[str, float | None]:
-    """Return the error that the noise of a matched reference causes, by metric."""
+    Parameters
+    ----------
+    parts : tuple of array, shape (h, w, 3)
+        Independent means of equally many samples.
+    exposure : float
+        Of the scene.
+    """
 
     def ldr(image: Image, truth: Image) -> float:
         return metrics.flip_ldr(truth, image, exposure) or 0.0
@@ -127,10 +125,10 @@ def render_reference(
     label = f"tracing {rendering.scene} ({rendering.truth})"
     if rendering.truth == MATCHED:
         parts = _with_bar(label, lambda show: _render_parts(scene, rendering, show), progress)
-        floor = parts_floor(parts, scene.exposure)
+        floor = noise_floor(parts, scene.exposure)
         return Reference(rendering, floor, time.perf_counter() - start, parts)
     estimate = _with_bar(label, lambda show: _render_full(scene, rendering, show), progress)
-    floor = noise_floor(estimate, scene.exposure)
+    floor = noise_floor(estimate.halves, scene.exposure)
     seconds = time.perf_counter() - start
     return Reference(rendering, floor, seconds, (estimate.mean,), estimate.variance)
 
