@@ -333,6 +333,6 @@ def test_a_matched_picture_has_no_floor_or_that_of_its_parts(tmp_path: Path) -> 
     assert check(scene, back, tmp_path / "out").passed
     bad = dataclasses.replace(back, parts=(back.mean + np.float32(0.02),))
     assert not check(scene, bad, tmp_path / "out").passed
-    floor = rendering.parts_floor(make_matched(scene).parts, 0.0)
+    floor = rendering.noise_floor(make_matched(scene).parts, 0.0)
     # Uniform noise has a deviation of 1/√12, and the mean of eight a √8 times smaller one.
     assert floor["rmse_lin"] == pytest.approx(1 / (12 * 8) ** 0.5, rel=0.1)

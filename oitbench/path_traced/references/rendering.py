@@ -17,7 +17,7 @@ from oitbench.path_traced.matched.render import matched
 from oitbench.path_traced.references.storage import Reference, Rendering
 from oitbench.path_traced.references.wanted import Wanted
 from oitbench.path_traced.trace.path_tracer import is_random
-from oitbench.path_traced.trace.render import Progress, render
+from oitbench.path_traced.trace.render import Estimate, Progress, render
 from oitbench.path_traced.trace.samples import default_samples
 from oitbench.path_traced.version import TRACER
 from oitbench.scene import Scene
