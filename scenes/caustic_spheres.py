@@ -62,7 +62,7 @@ SURROUNDINGS = ((-90.0, (0.08, 0.08, 0.08)), (0.0, (0.20, 0.20, 0.21)), (90.0, (
 
 def build(*, name: str, detail: float) -> Scene:
     """Return the floor, the balls by ascending index, and the knot."""
-    camera = Camera(position=(0.0, 4.8, 4.0), target=(0.07, 0.30, 0.0), fov_y=math.radians(40))
+    camera = Camera(position=(0.0, 4.8, 4.0), target=(0.1, 0.30, 0.0), fov_y=math.radians(44))
     half = TILES * TILE / 2
     pale, gray = checkers((0, 0, 0), (half, 0, 0), (0, 0, -half), TILES, TILES)
     objects = [
