@@ -29,7 +29,7 @@ void add_light(uint i, LIGHT light) {
 void resolve() {
     uint stride = frame_size.x * frame_size.y;
     LIGHT light = LIGHT(1.0 / SAMPLES);
-    for (uint k = 0u; k < uint(PLANES); ++k) {
+    for (uint k = 0u; k < uint(LIGHT_PLANES); ++k) {
         uint i = k * stride + pixel_index();
         add_light(i, light);
         LIGHT depth = take_depth(i);

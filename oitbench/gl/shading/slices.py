@@ -112,7 +112,7 @@ class OpacitySlices(Owner):
         blueprint = Blueprint(
             _LABEL, buffers=buffers, bindings=self._bindings, effects=effects & Effect.CAUSTICS
         )
-        constants = {"UNIT": _UNIT, "PLANES": self._planes}
+        constants = {"UNIT": _UNIT, "LIGHT_PLANES": self._planes}
         constants |= {"GRAY": 1} if self._channels == 1 else {}
         draw = Gather(
             "slice_depths.glsl",
