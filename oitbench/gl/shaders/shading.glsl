@@ -52,10 +52,17 @@ float microfacets(Surface surface, vec3 n, vec3 v, vec3 l) {
     return density * 0.5 / max(masking, 1e-8) * fresnel(surface.reflectance, dot(h, v)) * nl;
 }
 
+// Surfaces that lie in the plane of a sheet are not in its shadow.
+#ifdef PLANES
+const int UNMAPPED = SHEET;
+#else
+const int UNMAPPED = APART;
+#endif
+
 // Radiance that leaves toward `v`; `openness` is the part of the environment that is not occluded, and
 // `tau` the transmittance of the surface.
 vec3 reflected(Surface surface, vec3 position, vec3 n, vec3 v, float openness, vec3 tau) {
-    int kind = !surface.mapped ? APART : surface.isotropic ? PARTICLE : SHEET;
+    int kind = !surface.mapped ? UNMAPPED : surface.isotropic ? PARTICLE : SHEET;
     vec3 sum = vec3(0.0);
     for (int i = 0; i < BEAMS; ++i) {
         vec3 l = toward_light(i, position);

@@ -37,8 +37,8 @@ from oitbench.scene.environment import ambient_of_medium
 
 _CHUNK = 1 << 16
 """Rays that are traced at once."""
-_PHOTONS = 4
-"""Photons of a caustic map for each sub-pixel."""
+_PHOTONS = 32
+"""Photons of a caustic map for each pixel. A finer grid of sub-pixels needs no finer map."""
 _RANDOM = Effect.DIFFUSION | Effect.CAUSTICS | Effect.VOLUME | Effect.AMBIENT_OCCLUSION
 
 
@@ -156,7 +156,7 @@ class _Stage:
         effects, surfaces, medium = self._effects, self._surfaces, self._medium
         caustics = None
         if Effect.CAUSTICS in effects:
-            photons = _PHOTONS * self._view.width * self._view.height
+            photons = _PHOTONS * self._view.width * self._view.height // self._ssaa**2
             caustics = CausticMap.build(
                 *modules, self._exported.content, self._scene, photons, _seed(*key)
             )
