@@ -2,9 +2,10 @@
 
 Only methods that declare views appear, each with the first of its cells in a scene. The frames are
 drawn for this page, one sample per pixel, by the same code as `oitbench render --target`, with the
-published form of translucent shadows. The text below a picture is its range. For phenomenological transparency, McGuire & Mara 2017 show these
-targets in figures 12 (bottles: accumulated light and transmittance), 19 (chess: refraction), 21
-(door and street: diffusion) and 25, and the stochastic shadow map in figure 11 (caustic_spheres).
+published form of translucent shadows. The text below a picture is its range. For phenomenological
+transparency, McGuire & Mara 2017 show these targets in figures 12 (bottles: accumulated light and
+transmittance), 19 (chess: refraction), 21 (door and street: diffusion) and 25, and the stochastic
+shadow map in figure 11 (caustic_spheres).
 """
 
 from __future__ import annotations
@@ -139,7 +140,7 @@ def _figure(shown: Sequence[DrawnTarget], path: Path, heading: str) -> Figure:
                 )
         caption = (
             "The image, the views that the method declares, and the map of transparent surfaces as"
-            " one beam sees them, as it was drawn at random, under the published form of shadows. The text below each picture states its"
-            " format and its range."
+            " one beam sees them, as it was drawn at random under the published form of shadows. The"
+            " text below each picture states its format and its range."
         )
         return figures.save(canvas, path, title=heading, caption=caption)
