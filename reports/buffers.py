@@ -140,7 +140,7 @@ def _figure(shown: Sequence[DrawnTarget], path: Path, heading: str) -> Figure:
                 )
         caption = (
             "The image, the views that the method declares, and the map of transparent surfaces as"
-            " one beam sees them, as it was drawn at random under the published form of shadows. The"
-            " text below each picture states its format and its range."
+            " one beam sees them, as it was drawn at random under the published form of shadows."
+            " The text below each picture states its format and its range."
         )
         return figures.save(canvas, path, title=heading, caption=caption)
