@@ -57,9 +57,10 @@ TABLE = 30.0  # half of its sides, meters; its edge is the horizon
 # The lamp is behind the bottles, so that their shadows fall towards the viewer.
 LAMP_DIRECTION: Vector = (0.62, -1.0, 0.62)
 LAMP: RGB = (2.1, 2.0, 1.8)  # irradiance
-# The table hides the lower half.
+# The table hides the lower half. It fades slowly, because a sharp edge would show how OpenGL rounds
+# the lobes of rough reflections.
 ROOM = (
-    (-4.2, (0.0, 0.0, 0.0)),
+    (-90.0, (0.0, 0.0, 0.0)),
     (-1.4, (0.66, 0.70, 0.72)),
     (14.0, (0.44, 0.55, 0.64)),
     (90.0, (0.34, 0.38, 0.44)),

@@ -31,7 +31,9 @@ GLOWING = {
     "frosted_door": {"far window"},
 }
 """The objects that emit light in scenes with a directional or a spot light."""
-HIDING_GROUND = ("bottles", "shadow_trio", "smoke_and_glass", "smoke_ball")
+HIDING_GROUND = ("shadow_trio", "smoke_and_glass", "smoke_ball")
+FADING_GROUND = ("bottles",)
+"""Scenes whose rough reflections need a sky without an edge."""
 """Scenes outdoors, or on a large table, that have a sky."""
 ROOMS = ("chess", "foggy_street", "foliage", "frosted_door", "frosted_panes", "light_shafts")
 """Scenes with walls that cast no shadow."""
@@ -165,6 +167,15 @@ def test_no_sky_shines_from_below_a_ground_that_hides_it(name: str) -> None:
     below = texels[len(texels) // 2 + 2 :]
     assert below.max() == 0
     assert texels[: len(texels) // 2].min() > 0
+
+
+@pytest.mark.parametrize("name", FADING_GROUND)
+def test_a_sky_fades_below_a_ground(name: str) -> None:
+    sky = build(with_detail(name, SMALL)).environment
+    assert sky is not None
+    column = sky.texels[len(sky.texels) // 2 + 2 :, 0]
+    assert (np.diff(column, axis=0) < 0).all()
+    assert column[-1].max() < 0.01
 
 
 @pytest.mark.parametrize("case", CASES)
