@@ -76,7 +76,7 @@ class CausticMap:
         mitsuba, drjit : module
             With an LLVM or CUDA variant set.
         content : mitsuba.Scene
-            The exported scene. Its refracting solids have the ids of `export.shapes.solids`. All
+            The exported scene. Its refracting solids are the shape `export.shapes.SOLIDS`. All
             other surfaces receive photons, and transmit by `eval_null_transmission` of their BSDF.
         scene : Scene
             The scene that was exported, where solids overlap instead of touching.
@@ -93,7 +93,7 @@ class CausticMap:
         if not items or not scene.beams:
             return None
         triangles = np.concatenate(
-            [item.mesh.positions[item.mesh.triangles] for group in items.values() for item in group]
+            [item.mesh.positions[item.mesh.triangles] for item in items]
         ).astype(np.float64)
         box = content.bbox()
         bounds = (np.array(box.min, np.float64).ravel(), np.array(box.max, np.float64).ravel())

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from oitbench.path_traced.export.shapes import solids
+from oitbench.path_traced.export.shapes import SOLIDS, solids
 from oitbench.path_traced.optics.advance import NO_FACE, STEP
 from oitbench.path_traced.optics.materials import interface_roughness
 from oitbench.path_traced.optics.reflection import meet_interface
@@ -52,28 +52,27 @@ class Interiors:
         Raises
         ------
         ValueError
-            If `content` is another scene, and lacks the shape of a solid.
+            If `content` is another scene, and lacks the shape of the solids.
         """
-        groups = solids(scene)
-        missing = sorted(set(groups) - {shape.id() for shape in content.shapes()})
-        if missing:
-            raise ValueError(
-                f"the Mitsuba scene has no shape {', '.join(missing)}; export the same scene"
-            )
+        items = solids(scene)
+        if SOLIDS not in {shape.id() for shape in content.shapes()}:
+            raise ValueError(f"the Mitsuba scene has no shape {SOLIDS}; export the same scene")
         found, by_name = Solids.build(mitsuba, drjit, scene, start)
         numbers, counts, ranks = [], [], []
         for shape in content.shapes():
             number = drjit.reinterpret_array(mitsuba.UInt32, mitsuba.ShapePtr(shape))
             numbers.append(int(number.numpy()[0]))
             counts.append(shape.primitive_count())
-            part = [np.zeros(0 if shape.id() in groups else counts[-1], np.uint32)]
-            for item in groups.get(shape.id(), ()):
-                part.append(np.full(len(item.mesh.triangles), by_name[item.name], np.uint32))
-            ranks.append(np.concatenate(part))
+            if shape.id() == SOLIDS:
+                values = [by_name[item.name] for item in items]
+                sizes = [len(item.mesh.triangles) for item in items]
+                ranks.append(np.repeat(np.asarray(values, np.uint32), sizes))
+            else:
+                ranks.append(np.zeros(counts[-1], np.uint32))
         offsets = np.zeros(max(numbers) + 1, dtype=np.uint32)
         offsets[numbers] = np.cumsum([0, *counts[:-1]])
         facets, kept = np.zeros(len(by_name) + 1), np.ones((len(by_name) + 1, 3))
-        for item in (item for group in groups.values() for item in group):
+        for item in items:
             facets[by_name[item.name]] = interface_roughness(item.material)
             kept[by_name[item.name]] -= item.material.albedo
         return cls(
