@@ -118,6 +118,13 @@ def test_equal_solids_are_one(reversed_order: bool) -> None:
     _assert_passed(_pile(1, index, 1), *(pair[::-1] if reversed_order else pair))
 
 
+def test_the_first_solid_of_the_scene_fills_the_space_whatever_else_is_of_its_material() -> None:
+    gray = dataclasses.replace(GLASS, transmission=(0.5, 0.5, 0.5))
+    pair = _slab("water", -3.0, -0.5, WATER), _slab("gray", -1.0, 0.0, gray)
+    beside = Object("beside", box((300, 0, 0), (1, 1, 1)), gray)
+    np.testing.assert_array_equal(_matched(beside, *pair), _matched(*pair))
+
+
 def _inverted(mesh: Mesh) -> Mesh:
     normals = None if mesh.normals is None else -mesh.normals
     return dataclasses.replace(mesh, triangles=mesh.triangles[:, ::-1].copy(), normals=normals)

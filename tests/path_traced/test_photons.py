@@ -15,7 +15,7 @@ import pytest
 from oitbench.modeling.mesh import box, quad, sphere
 from oitbench.modeling.placement import merge
 from oitbench.path_traced import llvm
-from oitbench.path_traced.export.shapes import solids
+from oitbench.path_traced.export.shapes import SOLIDS, solids
 from oitbench.path_traced.optics.materials import mean_chord
 from oitbench.path_traced.photons.map import CausticMap
 from oitbench.scene import (
@@ -75,9 +75,9 @@ class _Traced:
         self.mitsuba = llvm.load()
         self.drjit = importlib.import_module("drjit")
         content: dict[str, Any] = {"type": "scene"}
-        for name, group in solids(scene).items():
-            bsdf = {"type": "dielectric", "int_ior": group[0].material.index, "ext_ior": 1.0}
-            content[name] = self._shape(merge([item.mesh for item in group]), bsdf)
+        items = solids(scene)
+        if items:
+            content[SOLIDS] = self._shape(merge([item.mesh for item in items]), {"type": "null"})
         for number, (mesh, bsdf) in enumerate(receivers):
             content[f"receiver_{number}"] = self._shape(mesh, bsdf)
         self.content = self.mitsuba.load_dict(content)
@@ -318,5 +318,5 @@ def test_there_is_no_map_without_a_beam_on_a_solid_that_refracts() -> None:
 def test_a_solid_without_its_shape_is_named() -> None:
     scene = _scene(SLAB, 1.5)
     empty = _Traced(_scene(SLAB, 1.0))
-    with pytest.raises(ValueError, match="has no shape solids_0; export the same scene"):
+    with pytest.raises(ValueError, match="has no shape solids; export the same scene"):
         CausticMap.build(empty.mitsuba, empty.drjit, empty.content, scene, COUNT, 1)

@@ -82,9 +82,8 @@ class Film:
 def make_bsdf(film: Film) -> Any:
     """Return a Mitsuba BSDF that always continues straight, with the weight τ.
 
-    The integrators of this package call `eval_null_transmission` alone. drjit also records `sample`
-    while photons are traced, and `eval` and `pdf` in Mitsuba's `volpath`, with which the tests
-    compare.
+    The integrators of this package call `eval_null_transmission` alone. Mitsuba's `volpath`, with
+    which the tests compare, calls `sample`, and drjit also records `eval` and `pdf` there.
     """
     mitsuba, drjit = film.mitsuba, film.drjit
 

@@ -18,7 +18,6 @@ from oitbench.path_traced.export.film import (
     make_bsdf,
     make_emitter,
 )
-from oitbench.path_traced.optics.materials import interface_roughness
 from oitbench.scene import Array, Floats, Material, Mesh, Object
 from oitbench.scene.texturing import constants_of, image_key, images_of
 
@@ -35,7 +34,7 @@ def build_mesh(
     film : Film
         With the textures of the scene, if it has some.
     group : sequence of Object
-        Either films or one refracting solid (see `shapes.layout`).
+        Either films or refracting solids (see `shapes.layout`).
     numbers : mapping of hashable to int
         Place of each texture among those of the scene, by `image_key`.
     """
@@ -46,7 +45,8 @@ def build_mesh(
     )
     properties = mitsuba.Properties("mesh")
     refracts = group[0].material.refracts and not group[0].material.opaque
-    properties["film"] = _dielectric(mitsuba, group[0].material) if refracts else make_bsdf(film)
+    # The interfaces of solids are traced by `optics`, with the indices on both of their sides.
+    properties["film"] = mitsuba.load_dict({"type": "null"}) if refracts else make_bsdf(film)
     if light.any():
         properties["glow"] = make_emitter(film)
     faces = _joined_triangles(meshes)
@@ -69,15 +69,6 @@ def build_mesh(
         values["vertex_texcoords"] = _joined([_uvs(part) for part in meshes])
     values.update()
     return mesh
-
-
-def _dielectric(mitsuba: ModuleType, material: Material) -> Any:
-    """Return Mitsuba's BSDF for the surface of a refracting solid."""
-    content = {"type": "dielectric", "int_ior": float(material.index), "ext_ior": 1.0}
-    alpha = interface_roughness(material)
-    if alpha > 0:
-        content |= {"type": "roughdielectric", "distribution": "beckmann", "alpha": alpha}
-    return mitsuba.load_dict(content)
 
 
 def _with_normals(mesh: Mesh) -> Mesh:

@@ -31,6 +31,8 @@ class ExportedScene:
     ----------
     content : mitsuba.Scene
         The surfaces and the background. Lights and the medium are traced from `Scene` itself.
+    scene : Scene
+        What was exported: refracting solids that touch have been moved (see `touching`).
     groups : dict of str to list of Object
         The objects of each shape, by the id of the shape (see `shapes.layout`).
     textures : FilteredTextures or None
@@ -40,6 +42,7 @@ class ExportedScene:
     """
 
     content: Any
+    scene: Scene
     groups: dict[str, list[Object]]
     textures: FilteredTextures | None
     numbers: dict[Hashable, int]
@@ -82,4 +85,4 @@ def export(scene: Scene, view: View, mitsuba: ModuleType) -> ExportedScene:
     if scene.background != BLACK:
         radiance = {"type": "rgb", "value": [float(value) for value in scene.background]}
         content["background"] = {"type": "constant", "radiance": radiance}
-    return ExportedScene(mitsuba.load_dict(content), groups, textures, numbers)
+    return ExportedScene(mitsuba.load_dict(content), scene, groups, textures, numbers)

@@ -2,7 +2,7 @@
 
 A ray cannot tell equal faces apart, and would miss one of them. The faces of the solid of lower
 priority are therefore moved a little into the other solid, where they are hidden (see
-`trace.solids`). The faces of the solid of higher priority remain, and are the interface.
+`optics.solids`). The faces of the solid of higher priority remain, and are the interface.
 """
 
 from __future__ import annotations

@@ -157,8 +157,9 @@ class _Stage:
         caustics = None
         if Effect.CAUSTICS in effects:
             photons = _PHOTONS * self._view.width * self._view.height // self._ssaa**2
+            exported = self._exported
             caustics = CausticMap.build(
-                *modules, self._exported.content, self._scene, photons, _seed(*key)
+                *modules, exported.content, exported.scene, photons, _seed(*key)
             )
         visibility = BeamVisibility(*modules, surfaces, effects, medium)
         shading = Shading(

@@ -16,11 +16,10 @@ from typing import Any
 import numpy as np
 
 from oitbench.path_traced.export.shapes import solids
-from oitbench.path_traced.optics.materials import absorption
 from oitbench.path_traced.photons.cells import BITS, WIDER, PhotonCells
 from oitbench.path_traced.photons.emission import Emission
 from oitbench.path_traced.photons.paths import DEPTH, Interiors, PhotonPaths
-from oitbench.scene import Object, Scene
+from oitbench.scene import Scene
 
 CELL_PHOTONS = 128
 """Photons in a cell where the light is not concentrated. The side of a cell is √(128 A/n) for n
@@ -77,9 +76,10 @@ class CausticMap:
         mitsuba, drjit : module
             With an LLVM or CUDA variant set.
         content : mitsuba.Scene
-            The exported scene. Its refracting solids have the ids of `export.shapes.solids`. All
+            The exported scene. Its refracting solids are the shape `export.shapes.SOLIDS`. All
             other surfaces receive photons, and transmit by `eval_null_transmission` of their BSDF.
         scene : Scene
+            The scene that was exported, where solids overlap instead of touching.
         count : int
             Number of photons of all beams together.
         seed : int
@@ -93,7 +93,7 @@ class CausticMap:
         if not items or not scene.beams:
             return None
         triangles = np.concatenate(
-            [item.mesh.positions[item.mesh.triangles] for group in items.values() for item in group]
+            [item.mesh.positions[item.mesh.triangles] for item in items]
         ).astype(np.float64)
         box = content.bbox()
         bounds = (np.array(box.min, np.float64).ravel(), np.array(box.max, np.float64).ravel())
@@ -109,10 +109,10 @@ class CausticMap:
         drjit.make_opaque(middle)
         frame = middle, drjit.opaque(mitsuba.Float, side)
         grid = cls(mitsuba, drjit, *frame, mitsuba.UInt64(), mitsuba.Float())
-        interiors = _interiors(mitsuba, drjit, content, items)
         cells = PhotonCells()
         for number, emission in enumerate(emissions):
             seeds = np.random.SeedSequence((seed, number)).generate_state(1 + 2 * DEPTH).tolist()
+            interiors = Interiors.build(mitsuba, drjit, content, scene, emission.origin)
             paths = PhotonPaths(mitsuba, drjit, content, interiors, seeds[1:])
             for first in range(0, emission.count, CHUNK):
                 index = drjit.arange(mitsuba.UInt32, min(CHUNK, emission.count - first))
@@ -206,32 +206,3 @@ class CausticMap:
         for key, value, counts in deposits:
             chosen = counts.numpy()
             cells.add(key.numpy()[chosen], value.numpy().T[chosen])
-
-
-def _interiors(
-    mitsuba: Any, drjit: Any, content: Any, groups: dict[str, list[Object]]
-) -> Interiors:
-    """Return the interiors of all refracting solids, in the order of `export.shapes.solids`."""
-    found = {shape.id(): shape for shape in content.shapes()}
-    missing = sorted(set(groups) - set(found))
-    if missing:
-        raise ValueError(
-            f"the Mitsuba scene has no shape {', '.join(missing)}; export the same scene"
-        )
-    items = [item for group in groups.values() for item in group]
-    counts = [len(item.mesh.triangles) for item in items]
-    sizes = [sum(len(item.mesh.triangles) for item in group) for group in groups.values()]
-    firsts = (np.cumsum(sizes) - sizes).tolist()
-    kept = [1 - np.asarray(item.material.albedo) for item in items]
-    values = np.column_stack([[absorption(item) for item in items], kept])
-    interiors = Interiors(
-        [
-            (mitsuba.ShapePtr(found[name]), mitsuba.UInt32(first))
-            for name, first in zip(groups, firsts, strict=True)
-        ],
-        mitsuba.UInt32(np.repeat(np.arange(len(items), dtype=np.uint32), counts)),
-        mitsuba.Float(values[:, :3].astype(np.float32).ravel()),
-        mitsuba.Float(values[:, 3:].astype(np.float32).ravel()),
-    )
-    drjit.make_opaque(interiors.shapes)
-    return interiors

@@ -6,30 +6,82 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
+from oitbench.path_traced.export.shapes import SOLIDS, solids
+from oitbench.path_traced.optics.advance import NO_FACE, STEP
+from oitbench.path_traced.optics.materials import interface_roughness
+from oitbench.path_traced.optics.reflection import meet_interface
+from oitbench.path_traced.optics.solids import Meeting, Solids
+from oitbench.scene import Floats, Scene
+
 DEPTH = 32
 """Largest number of surfaces that a photon hits."""
 
 
 @dataclass(frozen=True)
 class Interiors:
-    """The shapes of refracting solids, and what is inside of them.
+    """All faces, and what is behind those of refracting solids.
 
     Parameters
     ----------
-    shapes : sequence of (mitsuba.ShapePtr, UInt32)
-        Each shape, and the number of its first face.
-    rows : UInt32
-        Number of the solid that each face bounds.
-    absorption : Float
-        σ of each solid, three channels, m⁻¹.
+    offsets : UInt32
+        Number of the first face of each shape, by Mitsuba's number of the shape.
+    ranks : UInt32
+        Rank of the solid that each face bounds, 0 for a film.
+    facets : Float or None
+        Roughness α of the Beckmann microfacets of each rank; None if all solids are smooth.
     kept : Float
-        1 − albedo of each solid, three channels: the part of the light that enters.
+        1 − albedo of each rank, three channels: the part of the light that enters.
+    solids : Solids
+        Photons start where its lines do.
     """
 
-    shapes: Sequence[tuple[Any, Any]]
-    rows: Any
-    absorption: Any
+    offsets: Any
+    ranks: Any
+    facets: Any
     kept: Any
+    solids: Solids
+
+    @classmethod
+    def build(
+        cls, mitsuba: Any, drjit: Any, content: Any, scene: Scene, start: Floats
+    ) -> Interiors:
+        """Upload the refracting solids of `scene`, for photons that start at the point `start`.
+
+        Raises
+        ------
+        ValueError
+            If `content` is another scene, and lacks the shape of the solids.
+        """
+        items = solids(scene)
+        if SOLIDS not in {shape.id() for shape in content.shapes()}:
+            raise ValueError(f"the Mitsuba scene has no shape {SOLIDS}; export the same scene")
+        found, by_name = Solids.build(mitsuba, drjit, scene, start)
+        numbers, counts, ranks = [], [], []
+        for shape in content.shapes():
+            number = drjit.reinterpret_array(mitsuba.UInt32, mitsuba.ShapePtr(shape))
+            numbers.append(int(number.numpy()[0]))
+            counts.append(shape.primitive_count())
+            if shape.id() == SOLIDS:
+                values = [by_name[item.name] for item in items]
+                sizes = [len(item.mesh.triangles) for item in items]
+                ranks.append(np.repeat(np.asarray(values, np.uint32), sizes))
+            else:
+                ranks.append(np.zeros(counts[-1], np.uint32))
+        offsets = np.zeros(max(numbers) + 1, dtype=np.uint32)
+        offsets[numbers] = np.cumsum([0, *counts[:-1]])
+        facets, kept = np.zeros(len(by_name) + 1), np.ones((len(by_name) + 1, 3))
+        for item in items:
+            facets[by_name[item.name]] = interface_roughness(item.material)
+            kept[by_name[item.name]] -= item.material.albedo
+        return cls(
+            mitsuba.UInt32(offsets),
+            mitsuba.UInt32(np.concatenate(ranks)),
+            mitsuba.Float(facets.astype(np.float32)) if facets.any() else None,
+            mitsuba.Float(kept.astype(np.float32).ravel()),
+            found,
+        )
 
 
 @dataclass(frozen=True)
@@ -41,7 +93,7 @@ class PhotonPaths:
     mitsuba, drjit : module
         With a variant that is not scalar.
     scene : mitsuba.Scene
-    solids : Interiors
+    interiors : Interiors
         The refracting solids. All other surfaces are films, which let light straight through or
         not at all.
     seeds : sequence of int
@@ -51,7 +103,7 @@ class PhotonPaths:
     mitsuba: Any
     drjit: Any
     scene: Any
-    solids: Interiors
+    interiors: Interiors
     seeds: Sequence[int]
 
     def follow(self, ray: Any, power: Any, index: Any) -> Iterator[tuple[Any, Any, Any, Any]]:
@@ -72,58 +124,65 @@ class PhotonPaths:
         power : Color3f
             Power that arrives there, W.
         received : Bool
-            Whether the surface is a film and the light has passed a solid.
+            Whether the surface is a film and the light has passed the boundary of a solid.
         """
-        drjit, mitsuba = self.drjit, self.mitsuba
-        inside = drjit.zeros(mitsuba.Color3f, len(index))
-        bent = drjit.zeros(mitsuba.Bool, len(index))
+        drjit, mitsuba, inner = self.drjit, self.mitsuba, self.interiors
+        nest, known = inner.solids.start(), mitsuba.UInt32(NO_FACE)
+        bent = mitsuba.Bool(False)
         for depth in range(DEPTH):
             si = self.scene.ray_intersect(ray)
-            arriving = drjit.select(si.is_valid(), power * drjit.exp(-inside * si.t), 0)
-            solid, sigma, kept = self._solid(si)
-            received = bent & ~solid & drjit.any(arriving > 0)
-            direction, weight = self._scatter(si, solid, index, depth)
-            enters = drjit.dot(direction, si.n) < 0
-            passes_in = solid & enters & (drjit.dot(ray.d, si.n) < 0)
-            power = arriving * weight * drjit.select(passes_in, kept, 1)
-            inside = drjit.select(solid, drjit.select(enters, sigma, 0), inside)
-            bent = bent | solid
-            ray = si.spawn_ray(direction)
-            alive = si.is_valid() & drjit.any(power > 0)
-            drjit.eval(si.p, si.n, arriving, received, ray, power, inside, bent, alive)
+            valid = si.is_valid()
+            shape = drjit.reinterpret_array(mitsuba.UInt32, si.shape)
+            face = drjit.gather(mitsuba.UInt32, inner.offsets, shape, valid) + si.prim_index
+            # A ray crosses a triangle once. A second hit is a rounding error of the first one.
+            fresh = valid & (face != known)
+            rank = drjit.gather(mitsuba.UInt32, inner.ranks, face, fresh)
+            film, outside = fresh & (rank == 0), drjit.dot(ray.d, si.n) < 0
+            met = inner.solids.meet(nest, rank, outside, rank > 0)
+            crossed = (rank > 0) & ~met.hidden
+            arriving = drjit.select(valid, power * inner.solids.passing(nest, si.t, valid), 0)
+            received = bent & film & drjit.any(arriving > 0)
+            d, part = self._refract(si, ray.d, met, rank, index, depth)
+            d = drjit.select(crossed, d, ray.d)
+            behind = ~crossed | ((drjit.dot(d, si.n) < 0) == outside)
+            kept = drjit.gather(mitsuba.Color3f, inner.kept, rank, crossed & outside & behind)
+            power = arriving * drjit.select(crossed, part, 1)
+            power *= drjit.select(crossed & outside & behind, kept, 1)
+            power *= drjit.select(film, si.bsdf().eval_null_transmission(si, film), 1)
+            nest = tuple(
+                drjit.select(behind, a, b) for a, b in zip(met.behind, met.before, strict=True)
+            )
+            bent, known = bent | crossed, face
+            ray = mitsuba.Ray3f(si.p + d * (STEP * drjit.max(drjit.abs(si.p))), d)
+            alive = valid & drjit.any(power > 0)
+            drjit.eval(si.p, si.n, arriving, received, ray, power, nest, known, bent, alive)
             yield si.p, si.n, arriving, received
             left = drjit.compress(alive)
             if not len(left):
                 return
-            ray, power, inside, bent, index = (
+            ray, power, known, bent, index, *slots = (
                 drjit.gather(type(value), value, left)
-                for value in (ray, power, inside, bent, index)
+                for value in (ray, power, known, bent, index, *nest)
             )
+            nest = tuple(slots)
 
-    def _solid(self, si: Any) -> tuple[Any, Any, Any]:
-        """Return whether `si` is on a solid, σ inside, and the part of the light that enters."""
-        drjit, mitsuba = self.drjit, self.mitsuba
-        solid, face = mitsuba.Bool(False), mitsuba.UInt32(0)
-        for shape, first in self.solids.shapes:
-            here = si.shape == shape
-            solid |= here
-            face = drjit.select(here, first + si.prim_index, face)
-        row = drjit.gather(mitsuba.UInt32, self.solids.rows, face, solid)
-        sigma = drjit.gather(mitsuba.Color3f, self.solids.absorption, row, solid)
-        kept = drjit.gather(mitsuba.Color3f, self.solids.kept, row, solid)
-        return solid, sigma, drjit.select(solid, kept, 1)
-
-    def _scatter(self, si: Any, solid: Any, index: Any, depth: int) -> tuple[Any, Any]:
-        """Return the direction in which a photon continues, and the factor on its power."""
+    def _refract(
+        self, si: Any, d: Any, met: Meeting, rank: Any, index: Any, depth: int
+    ) -> tuple[Any, Any]:
+        """Return the direction behind or before the boundary of a solid, and a factor on power."""
         drjit, mitsuba = self.drjit, self.mitsuba
         seeds = [drjit.opaque(mitsuba.UInt32, seed) for seed in self.seeds[2 * depth :][:2]]
         choice = mitsuba.sample_tea_float32(index, seeds[0])
         # A float32 holds 24 bits: the upper ones of 32.
         place = [(bits >> 8) * 2.0**-24 for bits in mitsuba.sample_tea_32(index, seeds[1])]
-        # Importance mode, because refraction changes radiance but not power.
-        context = mitsuba.BSDFContext(mitsuba.TransportMode.Importance)
-        bsdf = si.bsdf()
-        sample, weight = bsdf.sample(context, si, choice, mitsuba.Point2f(*place), solid)
-        straight = bsdf.eval_null_transmission(si, si.is_valid() & ~solid)
-        direction = si.to_world(drjit.select(solid, sample.wo, -si.wi))
-        return direction, drjit.select(solid, weight, straight)
+        # With a constant roughness of 0, drjit leaves out the microfacets.
+        alpha, facets = mitsuba.Float(0), self.interiors.facets
+        if facets is not None:
+            alpha = drjit.gather(mitsuba.Float, facets, rank)
+        found = meet_interface(
+            mitsuba, drjit, met.index, alpha, si.sh_frame.n, -d, mitsuba.Point2f(*place)
+        )
+        passed = choice >= found.reflectance
+        # Refraction changes radiance but not power: there is no factor of the squared indices.
+        part = drjit.select(passed, found.refracted_part, found.mirrored_part)
+        return drjit.select(passed, found.refracted, found.mirrored), part

@@ -5,13 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+from oitbench.path_traced.optics.advance import NO_FACE, STEP
 from oitbench.path_traced.optics.reflection import microfacets
-from oitbench.path_traced.trace.solids import Nest
-
-STEP = 6e-7
-"""Advance beyond a hit, relative to the magnitudes that are added there: five float32 roundings."""
-NO_FACE = 0xFFFFFFFF
-"""A number that no face has."""
+from oitbench.path_traced.optics.solids import Nest
 
 
 @dataclass

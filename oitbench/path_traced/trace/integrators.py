@@ -80,7 +80,9 @@ def prepare(
         caustics = None
         if Effect.CAUSTICS in scene.effects:
             state = int(np.random.SeedSequence((seed, sample)).generate_state(1)[0])
-            caustics = CausticMap.build(mitsuba, drjit, exported.content, scene, photons, state)
+            caustics = CausticMap.build(
+                mitsuba, drjit, exported.content, exported.scene, photons, state
+            )
         return PathTracer(mitsuba, scene, surfaces, caustics)
 
     return exported.content, make

@@ -17,7 +17,7 @@ import importlib
 from types import ModuleType
 from typing import Any
 
-from oitbench.path_traced.trace.hits import STEP
+from oitbench.path_traced.optics.advance import STEP
 
 _EDGE = 1e-5
 """Barycentric coordinates below this may be rounding errors of zero."""

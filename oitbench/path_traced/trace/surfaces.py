@@ -17,10 +17,11 @@ from oitbench.path_traced.export.film import LIGHT
 from oitbench.path_traced.export.scene import ExportedScene
 from oitbench.path_traced.export.texture import FilteredTextures
 from oitbench.path_traced.export.view import View
+from oitbench.path_traced.optics.advance import NO_FACE, STEP
 from oitbench.path_traced.optics.materials import interface_roughness, spread
 from oitbench.path_traced.optics.reflection import schlick
-from oitbench.path_traced.trace.hits import NO_FACE, STEP, Hit, Layer, Line
-from oitbench.path_traced.trace.solids import Solids
+from oitbench.path_traced.optics.solids import Solids
+from oitbench.path_traced.trace.hits import Hit, Layer, Line
 from oitbench.scene import BLACK, Object, Texture
 from oitbench.scene.texturing import constants_of
 
@@ -87,9 +88,10 @@ class Surfaces:
         tables = {name: np.stack([column[name] for column in columns]) for name in columns[0]}
         solids = None
         if refracts and tables["refracts"].any():
+            eye = np.asarray(view.camera.position, dtype=np.float64)
+            solids, ranks = Solids.build(mitsuba, drjit, exported.scene, eye)
             items = [item for group in exported.groups.values() for item in group]
-            solids, ranks = Solids.build(mitsuba, drjit, items, view.camera)
-            tables["rank"] = np.asarray(ranks, dtype=np.float32)
+            tables["rank"] = np.asarray([ranks.get(item.name, 0) for item in items], np.float32)
         return cls(
             mitsuba,
             drjit,

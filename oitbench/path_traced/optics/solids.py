@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from oitbench.path_traced.optics.materials import absorption
-from oitbench.scene import BLACK, Camera, Floats, Mesh, Object
+from oitbench.scene import BLACK, Floats, Mesh, Object, Scene
 
 DEPTH = 4
 """Most solids that a point may lie in at once; of more, those of the lowest ranks are forgotten."""
@@ -60,7 +60,7 @@ class Solids:
     absorptions : Float
         Absorption coefficient of each rank, three channels, m⁻¹.
     around : tuple of int
-        The `Nest` of the camera.
+        The `Nest` of the point from which lines start: the camera or a light.
     """
 
     mitsuba: Any
@@ -71,33 +71,27 @@ class Solids:
 
     @classmethod
     def build(
-        cls, mitsuba: Any, drjit: Any, items: Sequence[Object], camera: Camera
-    ) -> tuple[Solids, list[int]]:
-        """Rank the solids among `items`; return also the rank of each item, 0 for a film.
+        cls, mitsuba: Any, drjit: Any, scene: Scene, start: Floats
+    ) -> tuple[Solids, dict[str, int]]:
+        """Rank the refracting solids of `scene`; return also the rank of each by its name.
 
         The rank rises with the priority. Of equal priorities, the first solid has the highest rank.
+        Lines start from the point `start`.
         """
-        numbers = [
-            number
-            for number, item in enumerate(items)
-            if item.material.refracts and not item.material.opaque
-        ]
-        numbers.sort(key=lambda number: (items[number].priority, -number))
-        ranks = [0] * len(items)
-        for rank, number in enumerate(numbers, 1):
-            ranks[number] = rank
-        chosen = [items[number] for number in numbers]
+        found = [item for item in scene.transparent if item.material.refracts]
+        # Sorting keeps the order of equal priorities.
+        chosen = sorted(found, key=lambda item: -item.priority)[::-1]
+        ranks = {item.name: rank for rank, item in enumerate(chosen, 1)}
         values = np.asarray([BLACK, *(absorption(item) for item in chosen)], dtype=np.float32)
         indices = np.asarray([1.0, *(item.material.index for item in chosen)], dtype=np.float32)
-        eye = np.asarray(camera.position, dtype=np.float64)
-        around = [rank for rank, item in enumerate(chosen, 1) if _contains(item.mesh, eye)][::-1]
+        around = [rank for rank, item in enumerate(chosen, 1) if _contains(item.mesh, start)][::-1]
         depth = min(DEPTH, len(chosen)) if around or _overlap(chosen) else min(1, len(chosen))
         nest = tuple((around + [0] * depth)[:depth])
         tables = mitsuba.Float(indices), mitsuba.Float(values.ravel())
         return cls(mitsuba, drjit, *tables, nest), ranks
 
     def start(self) -> Nest:
-        """Return the nest of the camera."""
+        """Return the nest of the point from which lines start."""
         return tuple(self.mitsuba.UInt32(rank) for rank in self.around)
 
     def meet(self, nest: Nest, rank: Any, outside: Any, active: Any) -> Meeting:
@@ -128,7 +122,7 @@ class Solids:
         return self.drjit.exp(-sigma * self.drjit.select(active, length, 0))
 
     def index_around(self) -> float:
-        """Return the refractive index around the camera."""
+        """Return the refractive index around the point from which lines start."""
         return float(self.indices.numpy()[self.around[0]]) if self.around else 1.0
 
     def _index(self, nest: Nest, active: Any) -> Any:
