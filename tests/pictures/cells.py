@@ -1,7 +1,8 @@
 """The guard's cells, derived from what methods declare: a new method is guarded without a change.
 
 On the scenes for methods, every pair of values of two parameters runs at least once. The truth runs
-on all scenes, with all effects that the scene requests and without each one. All methods run on the
+on all scenes, with all effects that the scene requests and without each one, and with settings of
+shared shading on scenes with shadows. All methods run on the
 scene of all effects of compositing, with and without those that they express; on the scenes of
 shading, only methods that express more than colored coverage do, because all receive the same
 fragments.
@@ -21,6 +22,13 @@ from oitbench.parameters import AnyParameter, Value
 from oitbench.plugins import Collection
 from tests.pictures.scenes import ALL_EFFECTS, DECALS, METHOD_SCENES, SCENES
 
+SHADOWED = ("beams", "fog")
+"""Scenes on which the settings of shared shading run."""
+SHADING = (
+    "translucent=published", "translucent=occluders", "translucent=published,downsampling=1",
+    "translucent=occluders,downsampling=1", "downsampling=8", "slices=8", "rays=2",
+)  # fmt: skip
+_GRAY = "-colored_shadows"
 _PLAIN = Effect.COVERAGE | Effect.COLORED_TRANSMISSION
 
 
@@ -35,14 +43,17 @@ class Cell(NamedTuple):
         Label.
     effects : str
         "requested", or one effect left out.
+    shading : str
+        Settings of shared shading that differ from the guard's.
     """
 
     scene: str
     method: str
     effects: str = REQUESTED
+    shading: str = ""
 
     def __str__(self) -> str:
-        return " ".join(self)
+        return " ".join(part for part in self if part)
 
 
 def values(parameter: AnyParameter) -> tuple[Value, ...]:
@@ -121,6 +132,9 @@ def cells(collection: Collection) -> list[Cell]:
 def _of_scene(scene: str, collection: Collection) -> Iterator[Cell]:
     requested, truth = SCENES[scene]().effects, collection.truth()
     yield from (Cell(scene, truth.label, effects) for effects in effects_axis(requested, truth))
+    if scene in SHADOWED:
+        for effects in (REQUESTED, _GRAY):
+            yield from (Cell(scene, truth.label, effects, shading) for shading in SHADING)
     for name in collection.methods:
         plain = collection.methods[name]()
         rich = bool(plain.expresses & ~_PLAIN)

@@ -6,7 +6,7 @@ import multiprocessing
 from collections.abc import Iterable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import ExitStack
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -19,12 +19,12 @@ from oitbench.gl.uploaded_scene import UploadedScene
 from oitbench.places import own_folder
 from oitbench.plugins import Collection
 from oitbench.scene import Scene
-from oitbench.shading import ShadingSettings
+from oitbench.shading import read_shading
 from tests.pictures.branches import Place, reached, recorded
 from tests.pictures.cells import Cell, running
 from tests.pictures.scenes import BLOCK, SCENES, SIZE
 
-SETTINGS = ShadingSettings(shadow_map=256)
+SHADOW_MAP = 256
 """Texels along each side of a light's depth maps."""
 Means = tuple[float, ...] | None
 """Means of radiance and then of transmittance, over blocks from the top left and over channels.
@@ -92,13 +92,14 @@ def _file(name: str) -> str:
 def means_of(device: Device, cells: Iterable[Cell]) -> Iterator[tuple[Cell, Means]]:
     """Yield the means of each cell; cells of one scene should follow each other."""
     collection = Collection.load()
-    label, scene = "", None
+    kept, scene = ("", ""), None
     with ExitStack() as stack:
         for cell in cells:
-            if scene is None or cell.scene != label:
+            if scene is None or (cell.scene, cell.shading) != kept:
                 stack.close()
-                label, scene = cell.scene, SCENES[cell.scene]()
-                uploaded = stack.enter_context(UploadedScene(device, scene, SETTINGS))
+                kept, scene = (cell.scene, cell.shading), SCENES[cell.scene]()
+                settings = replace(read_shading(cell.shading), shadow_map=SHADOW_MAP)
+                uploaded = stack.enter_context(UploadedScene(device, scene, settings))
             yield cell, _means(uploaded, scene, cell, collection)
 
 

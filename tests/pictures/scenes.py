@@ -177,7 +177,8 @@ def decals() -> Scene:
         sheet("upper", (-0.2, -0.3, 0.5), 0.4, (0.9, 0.9, 0.1), 0.7),
     )
     sun = DirectionalLight((-0.2, -0.3, -1.0), (3.0, 3.0, 3.0))
-    return Scene("decals", _CAMERA, objects, lights=(sun,), background=(0.2, 0.3, 0.4))
+    sky = EnvironmentLight(Texture(_noise(11, 4, 8, 3)))
+    return Scene("decals", _CAMERA, objects, lights=(sun, sky))
 
 
 SCENES: Mapping[str, Callable[[], Scene]] = {
