@@ -1,16 +1,18 @@
 """What a method stores for a picture: its targets, as their views show them, and its shadow map.
 
 Only methods that declare views appear, each with the first of its cells in a scene. The frames are
-drawn for this page, one sample per pixel, by the same code as `oitbench render --target`. The text
-below a picture is its range. For phenomenological transparency, McGuire & Mara 2017 show these
-targets in figures 12 (bottles: accumulated light and transmittance), 19 (chess: refraction), 21
-(door and street: diffusion) and 25, and the stochastic shadow map in figure 11 (caustic_spheres).
+drawn for this page, one sample per pixel, by the same code as `oitbench render --target`, with the
+published form of translucent shadows. The text below a picture is its range. For phenomenological
+transparency, McGuire & Mara 2017 show these targets in figures 12 (bottles: accumulated light and
+transmittance), 19 (chess: refraction), 21 (door and street: diffusion) and 25, and the stochastic
+shadow map in figure 11 (caustic_spheres).
 """
 
 from __future__ import annotations
 
 import textwrap
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -30,6 +32,7 @@ from oitbench.report import (
 )
 from oitbench.results.records import Panel
 from oitbench.results.schema import Record
+from oitbench.shading import PUBLISHED, read_shading
 
 if TYPE_CHECKING:
     from oitbench.matrix.targets import DrawnTarget
@@ -78,8 +81,10 @@ def _plate(context: ReportContext, panel: Panel, cell: Record) -> Artifact:
 
     heading = f"{panel.title}: {cell.method}"
     try:
-        shading = [cell.shading] if cell.shading else []
-        found = draw(cell.scene, cell.method, size=cell.size, effects=cell.effects, shading=shading)
+        shading = replace(read_shading(cell.shading), translucent=PUBLISHED).label
+        found = draw(
+            cell.scene, cell.method, size=cell.size, effects=cell.effects, shading=[shading]
+        )
     except OitbenchError as error:
         return Note(f"{heading}: {error}")
     shown = [item for item in found if item.facts.view or item.facts.name == _IMAGE]
@@ -135,7 +140,7 @@ def _figure(shown: Sequence[DrawnTarget], path: Path, heading: str) -> Figure:
                 )
         caption = (
             "The image, the views that the method declares, and the map of transparent surfaces as"
-            " one beam sees them, as it was drawn at random. The text below each picture states its"
-            " format and its range."
+            " one beam sees them, as it was drawn at random under the published form of shadows."
+            " The text below each picture states its format and its range."
         )
         return figures.save(canvas, path, title=heading, caption=caption)

@@ -166,7 +166,7 @@ def test_shared_shading_is_timed_once_per_round(
 def test_shading_is_the_sum_of_its_parts(device: Device, time: Time) -> None:
     one = measured(device, time, "alpha_blend", scene=LIT).times["alpha_blend"]
     parts = {part.name: part.ms.median for part in one.shading}
-    assert list(parts) == ["shadow maps", "variance maps", "opaque picture"]
+    assert list(parts) == ["shadow maps", "opacity slices", "opaque picture"]
     assert all(median >= 1000 * DRAW for median in parts.values())
     assert one.shading_ms.samples == [sum(parts.values())] * 9
     assert one.frame_ms.samples == [one.shading_ms.median + one.method_ms.median] * 9
