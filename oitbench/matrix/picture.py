@@ -3,20 +3,17 @@
 from __future__ import annotations
 
 import os
-import tempfile
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 import numpy as np
 
-from oitbench.catalog.catalog import Catalog
 from oitbench.image.files import Image
 from oitbench.matrix.plan import CELL_SECONDS
-from oitbench.matrix.pool import WorkerProcess
+from oitbench.matrix.pool import lone_worker
 from oitbench.matrix.worker import DrawPicture, PictureDrawn
 from oitbench.method.ablation import REQUESTED
 from oitbench.shading import read_shading
-from oitbench.workers import memory
 from oitbench.workers.messages import Step
 
 _DRAWING = Step("drawing the picture")
@@ -67,13 +64,8 @@ def render(
         Something is unknown, out of range, or not available on this machine, or the process ended.
     """
     settings = read_shading(",".join(shading)).label
-    with Catalog(collections) as catalog:
-        folders = catalog.places.folders
-    with (
-        tempfile.TemporaryDirectory(prefix="oitbench-") as folder,
-        WorkerProcess(folders, (), Path(folder), memory.limit(memory_gib, 1)) as worker,
-    ):
-        file = Path(folder) / "image.npy"
+    with lone_worker(collections, memory_gib) as (worker, folder):
+        file = folder / "image.npy"
         request = DrawPicture(scene, method, size, ssaa, effects, os.fsencode(file), settings)
         drawn = worker.ask(request, PictureDrawn, timeout, _DRAWING)
         image: Image = np.load(file)

@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+import tempfile
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 
+from oitbench.catalog.catalog import Catalog
 from oitbench.matrix.worker import Hello, Reply, Settings
+from oitbench.workers import memory
 from oitbench.workers.process import Process
 
 
@@ -38,3 +42,25 @@ class WorkerProcess(Process):
             os.fsencode(folder),
         )
         super().__init__("oitbench.matrix.worker", settings, Reply, memory_limit, Hello())
+
+
+@contextmanager
+def lone_worker(
+    collections: Iterable[Path | str], memory_gib: float | None
+) -> Iterator[tuple[Process, Path]]:
+    """Yield a worker process for a single request, and an empty folder for its answer.
+
+    Parameters
+    ----------
+    collections : iterable of path
+        Folders of further collections.
+    memory_gib : float, optional
+        Memory that the process may use, in GiB. Default: 75 % of the machine's.
+    """
+    with Catalog(collections) as catalog:
+        folders = catalog.places.folders
+    limit = memory.limit(memory_gib, 1)
+    with tempfile.TemporaryDirectory(prefix="oitbench-") as name:
+        folder = Path(name)
+        with WorkerProcess(folders, (), folder, limit) as worker:
+            yield worker, folder

@@ -3,22 +3,19 @@
 from __future__ import annotations
 
 import os
-import tempfile
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
-from oitbench.catalog.catalog import Catalog
 from oitbench.image import values
 from oitbench.image.values import Picture, Values
 from oitbench.matrix.plan import CELL_SECONDS
-from oitbench.matrix.pool import WorkerProcess
+from oitbench.matrix.pool import lone_worker
 from oitbench.matrix.worker import ALL, LIST, DrawTargets, TargetFacts, TargetsDrawn
 from oitbench.method.ablation import REQUESTED
 from oitbench.shading import read_shading
-from oitbench.workers import memory
 from oitbench.workers.messages import Step
 
 __all__ = ["ALL", "LIST", "DrawnTarget", "TargetFacts", "draw"]
@@ -75,13 +72,8 @@ def draw(
         Something is unknown, out of range, or not available on this machine, or the process ended.
     """
     settings = read_shading(",".join(shading)).label
-    with Catalog(collections) as catalog:
-        folders = catalog.places.folders
-    with (
-        tempfile.TemporaryDirectory(prefix="oitbench-") as folder,
-        WorkerProcess(folders, (), Path(folder), memory.limit(memory_gib, 1)) as worker,
-    ):
-        file = Path(folder) / "targets.npz"
+    with lone_worker(collections, memory_gib) as (worker, folder):
+        file = folder / "targets.npz"
         request = DrawTargets(
             scene, method, size, ssaa, effects, list(names), os.fsencode(file), settings
         )

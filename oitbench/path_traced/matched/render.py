@@ -30,7 +30,7 @@ from oitbench.path_traced.trace.integrators import (
 )
 from oitbench.path_traced.trace.lights import TracedEnvironment
 from oitbench.path_traced.trace.medium import TracedMedium
-from oitbench.path_traced.trace.sequence import Turn
+from oitbench.path_traced.trace.sequence import Turn, seed_of
 from oitbench.path_traced.trace.surfaces import Surfaces
 from oitbench.scene import Scene
 from oitbench.scene.environment import ambient_of_medium
@@ -147,7 +147,9 @@ class _Stage:
         parts = []
         for first in range(0, count, _CHUNK):
             rays = view.rays(first, min(first + _CHUNK, count))
-            turn = Turn(_seed(*key, first), _seed(key[0]), key[1], first, view.width, self._ssaa)
+            turn = Turn(
+                seed_of(*key, first), seed_of(key[0]), key[1], first, view.width, self._ssaa
+            )
             parts.append(trace(self._mitsuba, walk, self._exported.content, rays, turn))
         return np.concatenate(parts).reshape(view.height, view.width, 3)
 
@@ -159,7 +161,7 @@ class _Stage:
             photons = _PHOTONS * self._view.width * self._view.height // self._ssaa**2
             exported = self._exported
             caustics = CausticMap.build(
-                *modules, exported.content, exported.scene, photons, _seed(*key)
+                *modules, exported.content, exported.scene, photons, seed_of(*key)
             )
         visibility = BeamVisibility(*modules, surfaces, effects, medium)
         shading = Shading(
@@ -167,7 +169,3 @@ class _Stage:
         )
         kind = BranchingWalk if BranchingWalk.needed(surfaces, effects) else StraightWalk
         return kind(*modules, surfaces, shading, self._environment, effects, medium, self._random)
-
-
-def _seed(*key: int) -> int:
-    return int(np.random.SeedSequence(key).generate_state(1)[0])

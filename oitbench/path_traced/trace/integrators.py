@@ -22,7 +22,7 @@ from oitbench.path_traced.export.scene import export
 from oitbench.path_traced.export.view import View
 from oitbench.path_traced.photons.map import CausticMap
 from oitbench.path_traced.trace.path_tracer import PathTracer, is_random
-from oitbench.path_traced.trace.sequence import Turn
+from oitbench.path_traced.trace.sequence import Turn, seed_of
 from oitbench.path_traced.trace.straight import Straight
 from oitbench.path_traced.trace.surfaces import Surfaces
 from oitbench.scene import Scene
@@ -79,9 +79,8 @@ def prepare(
     def make(sample: int) -> Integrator:
         caustics = None
         if Effect.CAUSTICS in scene.effects:
-            state = int(np.random.SeedSequence((seed, sample)).generate_state(1)[0])
             caustics = CausticMap.build(
-                mitsuba, drjit, exported.content, exported.scene, photons, state
+                mitsuba, drjit, exported.content, exported.scene, photons, seed_of(seed, sample)
             )
         return PathTracer(mitsuba, scene, surfaces, caustics)
 

@@ -21,7 +21,7 @@ from oitbench.path_traced.trace.integrators import (
     trace,
 )
 from oitbench.path_traced.trace.path_tracer import is_random
-from oitbench.path_traced.trace.sequence import Turn
+from oitbench.path_traced.trace.sequence import Turn, seed_of
 from oitbench.scene import Scene
 
 Progress = Callable[[int, int], None]
@@ -111,7 +111,7 @@ def render(
         total: Any = 0.0
         last = min(first + shared, samples)
         for sample in range(first, last):
-            turn = Turn(0, _seed(seed, half), taken[half], 0, view.width, ssaa)
+            turn = Turn(0, seed_of(seed, half), taken[half], 0, view.width, ssaa)
             image = _sample(mitsuba, integrator, content, view, (seed, sample), turn)
             taken[half] += 1
             require_finite_rays(scene, image)
@@ -138,14 +138,10 @@ def _sample(
     image = np.empty((count, 3), dtype=np.float32)
     for number, first in enumerate(range(0, count, _CHUNK)):
         last = min(first + _CHUNK, count)
-        turn = replace(turn, seed=_seed(*key, number), first=first)
+        turn = replace(turn, seed=seed_of(*key, number), first=first)
         rays = view.rays(first, last)
         image[first:last] = trace(mitsuba, integrator, content, rays, turn)
     return image.reshape(view.height, view.width, 3)
-
-
-def _seed(*key: int) -> int:
-    return int(np.random.SeedSequence(key).generate_state(1)[0])
 
 
 def _check(size: tuple[int, int], ssaa: int, spp: int) -> None:

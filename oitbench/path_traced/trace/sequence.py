@@ -11,11 +11,18 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 EVEN_BOUNCES = 2
 """Changes of direction after which a path uses other random numbers. Their few digits are spent."""
 DIGITS = 32
 _MIXING = 0x6C50B47C, 0xB82F1E52, 0xC7AFE638, 0x8D22F6E6
 """Even factors, so that a bit changes higher bits only (Laine & Karras 2011)."""
+
+
+def seed_of(*key: int) -> int:
+    """Return a seed of 32 bits that is independent of those of other keys."""
+    return int(np.random.SeedSequence(key).generate_state(1)[0])
 
 
 @dataclass(frozen=True)
