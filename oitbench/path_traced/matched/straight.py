@@ -14,8 +14,9 @@ from oitbench.path_traced.trace.hits import Hit, Line
 from oitbench.path_traced.trace.sequence import Choices, Turn
 from oitbench.path_traced.trace.surfaces import Surfaces
 
-SHADOW_RAYS = 16
-"""Most shadow rays to a beam that the layers of a random line of sight get in the mean."""
+SHADOW_RAYS = 64
+"""Most shadow rays to a beam that the layers of a pixel get in the mean, in a sample of each of its
+sub-pixels, if the picture is random."""
 
 
 @dataclass
@@ -35,6 +36,8 @@ class Sight:
         Evenly spread random numbers for the first choices.
     teeth : Float
         Shadow rays that the layers so far have deserved, plus a random number in [0, 1).
+    most : Float
+        Shadow rays that this line of sight gets in the mean, at most.
     """
 
     line: Line
@@ -43,6 +46,7 @@ class Sight:
     rng: Any
     choices: Choices | None
     teeth: Any
+    most: Any
 
 
 class StraightWalk:
@@ -93,7 +97,8 @@ class StraightWalk:
             choices = turn.choices(mitsuba, self._drjit, count)
         line = self._surfaces.eye_line(ray.o, ray.d)
         teeth = mitsuba.Float(0) if choices is None else choices.side
-        return Sight(line, mitsuba.Color3f(0), mitsuba.Color3f(1), rng, choices, teeth)
+        most = self._drjit.opaque(mitsuba.Float, max(1, SHADOW_RAYS / turn.ssaa**2))
+        return Sight(line, mitsuba.Color3f(0), mitsuba.Color3f(1), rng, choices, teeth, most)
 
     def _advance(self, sight: Sight, active: Any) -> tuple[Sight, Any]:
         """Go on behind the next layer."""
@@ -126,14 +131,14 @@ class StraightWalk:
     def _share(self, sight: Sight, hit: Hit, shaded: Any) -> Any:
         """Return the factor on the light of beams at `hit`; where it is 0, they need no shadow ray.
 
-        Where a picture is random anyway, a layer that contributes less than 1/`SHADOW_RAYS` gets
-        its shadow ray by systematic sampling: whenever the sum of contributions passes the next
+        Where a picture is random anyway, a layer that contributes less than 1/`most` gets its
+        shadow ray by systematic sampling: whenever the sum of contributions passes the next
         tooth of a comb.
         """
         drjit = self._drjit
         if not self._random:
             return self._mitsuba.Float(1)
-        part = SHADOW_RAYS * drjit.max(sight.throughput) * hit.layer.coverage
+        part = sight.most * drjit.max(sight.throughput) * hit.layer.coverage
         part = drjit.select(shaded, drjit.minimum(part, 1), 0)
         chosen = drjit.floor(sight.teeth + part) > drjit.floor(sight.teeth)
         sight.teeth = sight.teeth + drjit.select(part < 1, part, 0)
