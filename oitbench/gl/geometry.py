@@ -23,7 +23,7 @@ from oitbench.gl.surface_textures import (
     surface_key,
     upload_surfaces,
 )
-from oitbench.gl.view import view_block
+from oitbench.gl.view import bounded_camera, view_block
 from oitbench.method.passes import Objects, Order
 from oitbench.scene import BLACK, LEAST_LOBE, FragmentLists, Material, Object, Scene, Vector
 from oitbench.scene.texturing import constants_of, image_key, images_of
@@ -85,6 +85,7 @@ class Geometry(Owner):
             raise SceneError(f"scene {scene.name}: fragment lists cannot be mixed with objects")
         super().__init__()
         self.scene, self._coincidence = with_separate_corners(scene.seen_from_camera())
+        self._camera = bounded_camera(self.scene)
         self.origin = _less_kilometers(scene.in_meters().camera.position)
         self.textures: dict[str, moderngl.TextureArray | moderngl.Texture] = {}
         self._device = device
@@ -137,7 +138,7 @@ class Geometry(Owner):
 
     def view(self, size: tuple[int, int], transmittance: bool = False, subsample: int = 1) -> bytes:
         """Return the bytes of `View` for a frame of the scene's camera; see `view_block`."""
-        return view_block(self.scene.camera, size, transmittance, subsample, self.origin)
+        return view_block(self._camera, size, transmittance, subsample, self.origin)
 
     @property
     def coincident(self) -> tuple[str, str] | None:

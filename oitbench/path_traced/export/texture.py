@@ -111,14 +111,15 @@ class FilteredTextures:
         offset = si.p - mitsuba.Point3f(*map(float, camera.position))
         distance = -drjit.dot(offset, back)
         # At unit distance along the view axis. Its derivative by the film position is right or up.
-        forward = offset / distance
+        forward = -back if camera.orthographic else offset / distance
         facing = drjit.dot(si.n, forward)
         facing = drjit.select(drjit.abs(facing) < 1e-6, 1e-6, facing)
+        shown = 1.0 if camera.orthographic else distance
         size = [mitsuba.Float(self._entry(name, number, active)) for name in ("width", "height")]
         squared = []
         for axis, step in zip((right, up), self.view.step, strict=True):
             on_plane = axis - forward * (drjit.dot(si.n, axis) / facing)
-            squared.append(self._texels_squared(si, size, on_plane * (distance * step)))
+            squared.append(self._texels_squared(si, size, on_plane * (shown * step)))
         widest = drjit.maximum(drjit.maximum(squared[0], squared[1]), 1e-20)
         return drjit.maximum(0.5 * drjit.log2(widest), 0.0)
 
