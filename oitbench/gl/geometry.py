@@ -75,7 +75,7 @@ class Geometry(Owner):
     Raises
     ------
     SceneError
-        The scene mixes fragment lists and objects, or its textures have several sizes.
+        The scene mixes fragment lists and objects.
     CapabilityError
         The scene exceeds the driver's limits.
     """
@@ -103,9 +103,8 @@ class Geometry(Owner):
     def _upload_surfaces(self, objects: list[Object]) -> None:
         materials = [item.material for item in objects]
         if any(images_of(material) for material in materials):
-            images = SurfaceTextures(self._device, f"scene {self.scene.name}", materials)
-            self._images = self.own(images)
-            self.textures["surface_textures"] = self._images.array
+            self._images = self.own(SurfaceTextures(self._device, materials))
+            self.textures |= self._images.samplers
         if any(_reflects_or_bends(material) for material in materials):
             self.textures["surface_materials"] = self.own(upload_surfaces(self._device, objects))
 
@@ -160,7 +159,7 @@ class Geometry(Owner):
             return f"#define LISTS {self._storeys}"
         found: dict[str, float] = {}
         if self._images is not None:
-            found |= {"TEXTURED": 1, **self._images.slots.macros}
+            found |= {"TEXTURED": 1, **self._images.macros}
         if "surface_materials" in self.textures:
             found |= {"DETAILED": 1, "MATERIALS_ACROSS": MATERIALS_ACROSS}
             found["LEAST_LOBE"] = LEAST_LOBE
@@ -192,13 +191,13 @@ class Geometry(Owner):
         vertices["in_radiance"] = np.asarray(emission, dtype=np.float32) * factor
         vertices["in_transmission"] = material.transmission
         vertices["in_coverage"] = coverage
-        vertices["in_layer"] = self._slot(material)
+        vertices["in_layer"] = self._texture(material)
         # A zero normal selects the normal of the triangle.
         vertices["in_normal"] = 0.0 if mesh.normals is None else mesh.normals
         vertices["in_material"] = self._numbers[surface_key(item)]
         return vertices
 
-    def _slot(self, material: Material) -> int:
+    def _texture(self, material: Material) -> int:
         images = images_of(material)
         if images is None or self._images is None:
             return _UNTEXTURED
