@@ -30,7 +30,7 @@ from oitbench.scene.lights import (
     Light,
     SpotLight,
 )
-from oitbench.scene.material import LEAST_LOBE, Material, Texture
+from oitbench.scene.material import LEAST_LOBE, Material, Texture, Wrap
 from oitbench.scene.medium import Medium, sample_density
 from oitbench.scene.model import Scene
 from oitbench.scene.objects import FragmentLists, Mesh, Object
@@ -72,6 +72,7 @@ __all__ = [
     "Texture",
     "Vector",
     "ViewMesh",
+    "Wrap",
     "as_vector",
     "axes_along",
     "opposite",

@@ -39,6 +39,8 @@ class ViewMesh(Mesh):
     uvs: Array | None = field(init=False, repr=False)
     radiance: Array | None = field(init=False, repr=False)
     normals: Array | None = field(init=False, repr=False)
+    albedo: Array | None = field(init=False, repr=False)
+    transmission: Array | None = field(init=False, repr=False)
     coverage: Array | None = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
