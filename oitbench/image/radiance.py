@@ -81,6 +81,7 @@ def _unpack(data: npt.NDArray[np.uint8], at: int, channel: npt.NDArray[np.uint8]
 
 
 def _values(rgbe: npt.NDArray[np.uint8]) -> npt.NDArray[np.float32]:
+    # Mantissas are rounded down, so that the middle of a step is half of one higher.
     exponent = rgbe[..., 3:].astype(np.int32)
     values = np.ldexp(rgbe[..., :3].astype(np.float32) + np.float32(0.5), exponent - _BIAS)
     return np.where(exponent > 0, values, 0).astype(np.float32)
