@@ -201,6 +201,14 @@ def test_photons_pass_the_back_of_a_culled_surface() -> None:
     assert np.abs(bare - without).max() > 0.1
     np.testing.assert_allclose(behind, bare, atol=1e-5)
     assert np.abs(before - bare).max() > 0.5
+    # From below, its front is not lit through its back.
+    low = Camera((0.2, -2.0, 0.2), target=(0.2, 0.0, 0.0), up=(0.0, 0.0, 1.0))
+    both = card(Material(albedo=GREEN), 0.0, down=True)
+    dark, lit = (
+        matched(Scene("s", low, (ball, one), lights=NOON), SIZE, 1) for one in (back, both)
+    )
+    assert dark.max() == 0
+    assert lit.max() > 0.1
 
 
 SKY = np.full((25, 50, 3), 0.2, dtype=np.float32)
