@@ -117,7 +117,7 @@ PAIRS = {
     ),
     "a cutoff": (with_material(), with_material(cutoff=0.5)),
     "a back": (with_material(), with_material(culled=True)),
-    "coverage of vertices": (with_mesh(), with_mesh(coverage=np.float32([0, 1, 1, 1]))),
+    "coverage of vertices": (with_mesh(), with_mesh(coverage=np.array([0, 1, 1, 1], np.float32))),
     "exposure": (sheet_scene(), sheet_scene(exposure=1.0)),
 }
 

@@ -87,7 +87,8 @@ def test_random_directions_are_uniform_over_the_sphere() -> None:
 
 def test_copies_and_unions_keep_the_factors_of_vertices() -> None:
     flat = quad((0, 0, 0), (1, 0, 0), (0, 1, 0))
-    part, color = np.float32([0, 0.5, 1, 1]), np.float32(np.arange(12).reshape(4, 3) / 12)
+    part = np.array([0, 0.5, 1, 1], np.float32)
+    color = np.arange(12, dtype=np.float32).reshape(4, 3) / np.float32(12)
     mesh = replace(flat, coverage=part, albedo=color, transmission=1 - color)
     for found in (merge([mesh, mesh]), repeated(mesh, [(0, 0, 0), (3, 0, 0)])):
         assert found.coverage is not None

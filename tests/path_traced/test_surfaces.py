@@ -192,7 +192,9 @@ def test_occlusion(device: Device, kind: str) -> None:
 def test_photons_pass_the_back_of_a_culled_surface() -> None:
     glass = Material(transmission=(0.9, 0.9, 0.9), solid=True, index=1.5)
     ball = Object("ball", sphere((0.2, 0.8, 0.0), 0.4, 24, 12), glass)
-    front, back = (card(Material(albedo=GREEN, culled=True), 0.0, down=down) for down in (0, 1))
+    front, back = (
+        card(Material(albedo=GREEN, culled=True), 0.0, down=down) for down in (False, True)
+    )
     scenes = [
         Scene("s", HIGH, (FLOOR, ball, *more), lights=NOON) for more in ((), (back,), (front,))
     ]

@@ -21,6 +21,7 @@ from oitbench.scene import (
     EnvironmentLight,
     Material,
     Medium,
+    Mesh,
     Object,
     Scene,
     Texture,
@@ -193,7 +194,8 @@ THREE = np.array([[1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 1, 1]], np.float32)
 )
 def test_what_varies_may_tint(material: Material, vertices: Any, tinted: bool) -> None:
     mesh = quad((0, 0, -2), (1, 0, 0), (0, 1, 0))
-    mesh = replace(mesh, **{name: np.float32(values) for name, values in vertices.items()})
+    given = {name: np.asarray(values, np.float32) for name, values in vertices.items()}
+    mesh = Mesh.from_arrays(mesh.positions, mesh.triangles, uvs=mesh.uvs, **given)
     one = Object("sheet", mesh, material)
     assert one.tints == tinted
     found = Scene("s", Camera((0, 0, 0), (0, 0, -1)), (one,)).effects

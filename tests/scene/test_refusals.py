@@ -22,6 +22,7 @@ from oitbench.scene import (
     Scene,
     SpotLight,
     Texture,
+    Wrap,
 )
 
 NAN, INFINITY = float("nan"), float("inf")
@@ -73,6 +74,12 @@ WRONG: list[tuple[Callable[[], object], str]] = [
     (lambda: Material(albedo=texture(2, 2, 3, value=1.5)), "material: albedo"),
     (lambda: Material(transmission=texture(2, 2, value=-1)), "material: transmission"),
     (lambda: Material(roughness=texture(2, 2, 3)), "material: roughness has colors"),
+    (
+        lambda: Material(
+            texture(2, 2), albedo=Texture(np.ones((1, 1), np.float32), (Wrap.REPEAT, Wrap.CLAMP))
+        ),
+        "material: coverage and albedo wrap differently",
+    ),
     (lambda: Material(cutoff=1.5), "material: cutoff must lie"),
     (lambda: Material(cutoff=0.0), "material: cutoff is 0, which all coverage reaches"),
     (lambda: glass(cutoff=0.5), "material: a refracting solid has cutoff or culled"),
