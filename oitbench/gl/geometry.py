@@ -23,7 +23,7 @@ from oitbench.gl.surface_textures import (
     surface_key,
     upload_surfaces,
 )
-from oitbench.gl.view import view_block
+from oitbench.gl.view import bounded_camera, view_block
 from oitbench.method.passes import Objects, Order
 from oitbench.scene import BLACK, LEAST_LOBE, FragmentLists, Material, Object, Scene, Vector
 from oitbench.scene.texturing import constants_of, image_key, images_of
@@ -75,7 +75,7 @@ class Geometry(Owner):
     Raises
     ------
     SceneError
-        The scene mixes fragment lists and objects, or its textures have several sizes.
+        The scene mixes fragment lists and objects.
     CapabilityError
         The scene exceeds the driver's limits.
     """
@@ -85,6 +85,7 @@ class Geometry(Owner):
             raise SceneError(f"scene {scene.name}: fragment lists cannot be mixed with objects")
         super().__init__()
         self.scene, self._coincidence = with_separate_corners(scene.seen_from_camera())
+        self._camera = bounded_camera(self.scene)
         self.origin = _less_kilometers(scene.in_meters().camera.position)
         self.textures: dict[str, moderngl.TextureArray | moderngl.Texture] = {}
         self._device = device
@@ -103,9 +104,8 @@ class Geometry(Owner):
     def _upload_surfaces(self, objects: list[Object]) -> None:
         materials = [item.material for item in objects]
         if any(images_of(material) for material in materials):
-            images = SurfaceTextures(self._device, f"scene {self.scene.name}", materials)
-            self._images = self.own(images)
-            self.textures["surface_textures"] = self._images.array
+            self._images = self.own(SurfaceTextures(self._device, materials))
+            self.textures |= self._images.samplers
         if any(_reflects_or_bends(material) for material in materials):
             self.textures["surface_materials"] = self.own(upload_surfaces(self._device, objects))
 
@@ -137,7 +137,7 @@ class Geometry(Owner):
 
     def view(self, size: tuple[int, int], transmittance: bool = False, subsample: int = 1) -> bytes:
         """Return the bytes of `View` for a frame of the scene's camera; see `view_block`."""
-        return view_block(self.scene.camera, size, transmittance, subsample, self.origin)
+        return view_block(self._camera, size, transmittance, subsample, self.origin)
 
     @property
     def coincident(self) -> tuple[str, str] | None:
@@ -160,7 +160,7 @@ class Geometry(Owner):
             return f"#define LISTS {self._storeys}"
         found: dict[str, float] = {}
         if self._images is not None:
-            found |= {"TEXTURED": 1, **self._images.slots.macros}
+            found |= {"TEXTURED": 1, **self._images.macros}
         if "surface_materials" in self.textures:
             found |= {"DETAILED": 1, "MATERIALS_ACROSS": MATERIALS_ACROSS}
             found["LEAST_LOBE"] = LEAST_LOBE
@@ -192,13 +192,13 @@ class Geometry(Owner):
         vertices["in_radiance"] = np.asarray(emission, dtype=np.float32) * factor
         vertices["in_transmission"] = material.transmission
         vertices["in_coverage"] = coverage
-        vertices["in_layer"] = self._slot(material)
+        vertices["in_layer"] = self._texture(material)
         # A zero normal selects the normal of the triangle.
         vertices["in_normal"] = 0.0 if mesh.normals is None else mesh.normals
         vertices["in_material"] = self._numbers[surface_key(item)]
         return vertices
 
-    def _slot(self, material: Material) -> int:
+    def _texture(self, material: Material) -> int:
         images = images_of(material)
         if images is None or self._images is None:
             return _UNTEXTURED

@@ -29,7 +29,7 @@ from oitbench.scene.lights import (
     Light,
     SpotLight,
 )
-from oitbench.scene.material import LEAST_LOBE, Material, Texture
+from oitbench.scene.material import LEAST_LOBE, Material, Texture, Wrap
 from oitbench.scene.medium import Medium, sample_density
 from oitbench.scene.model import Scene
 from oitbench.scene.objects import FragmentLists, Mesh, Object
@@ -67,6 +67,7 @@ __all__ = [
     "SpotLight",
     "Texture",
     "Vector",
+    "Wrap",
     "as_vector",
     "axes_along",
     "opposite",

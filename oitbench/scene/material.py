@@ -7,6 +7,7 @@ in `oitbench/path_traced`. If it is a new effect, `model._requested_effects` mus
 from __future__ import annotations
 
 from dataclasses import dataclass
+from enum import Enum
 
 import numpy as np
 
@@ -18,37 +19,49 @@ LEAST_LOBE = 0.1
 mirror. Half of the lobe's peak is reached 0.7° from its middle: beams look like lamps as wide."""
 
 
+class Wrap(str, Enum):
+    """How a texture continues beyond [0, 1] of a texture coordinate."""
+
+    CLAMP = "clamp"
+    """Its edge goes on."""
+    REPEAT = "repeat"
+    """It begins anew."""
+    MIRROR = "mirror"
+    """It begins anew, every second time mirrored."""
+
+
 @dataclass(frozen=True, eq=False)
 class Texture:
-    """An image over texture coordinates uv ∈ [0, 1]², clamped at its edges.
+    """An image over the texture coordinates uv ∈ [0, 1]².
 
     Parameters
     ----------
     texels : array, shape (h, w) or (h, w, 3), float32
-        One channel for coverage or gray radiance, three for colored radiance. The first row is at
-        v = 1 (top). Both sides must be powers of two, so that every mip level halves exactly.
+        One channel for coverage, roughness or gray light, three for colors. The first row is at
+        v = 1 (top). Any size will do.
+    wrap : (Wrap, Wrap)
+        How it continues to the sides (u), and up and down (v).
 
     Raises
     ------
     SceneError
-        If `texels` has a wrong shape, a side that is not a power of two, or a value that is not
-        finite.
+        If `texels` has a wrong shape, no texel, or a value that is not finite.
     """
 
     texels: Array
+    wrap: tuple[Wrap, Wrap] = (Wrap.CLAMP, Wrap.CLAMP)
 
     def __post_init__(self) -> None:
         shape = self.texels.shape
         require(
             len(shape) == 2 or (len(shape) == 3 and shape[2] == 3),
-            f"texture: texels are {shape}; give (h, w) for coverage or (h, w, 3) for radiance",
+            f"texture: texels are {shape}; give (h, w) for one channel or (h, w, 3) for colors",
         )
-        for side in shape[:2]:
-            require(
-                side > 0 and side & (side - 1) == 0,
-                f"texture: a side has {side} texels; give a power of two",
-            )
+        require(self.texels.size > 0, f"texture: texels are {shape}; give one texel or more")
         require_finite("texture", texels=self.texels)
+        known = [isinstance(wrap, Wrap) for wrap in self.wrap]
+        names = ", ".join(map(str, Wrap.__members__))
+        require(known == [True, True], f"texture: wrap is {self.wrap}; give two Wrap of {names}")
 
 
 @dataclass(frozen=True, eq=False)

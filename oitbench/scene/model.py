@@ -10,7 +10,7 @@ from functools import cached_property
 from oitbench.effects import Effect
 from oitbench.scene.camera import Camera
 from oitbench.scene.checks import require, require_light
-from oitbench.scene.coincidence import Coincidence, find_coincidence
+from oitbench.scene.coincidence import Coincidence, find_coincidence, origin_of_planes
 from oitbench.scene.lights import DirectionalLight, EnvironmentLight, Light, SpotLight
 from oitbench.scene.medium import Medium
 from oitbench.scene.objects import FragmentLists, Object
@@ -158,7 +158,8 @@ class Scene:
     @cached_property
     def coincidence(self) -> Coincidence | None:
         """Where surfaces coincide, relative to the camera and in meters; None for nowhere."""
-        return find_coincidence(self.seen_from_camera().objects)
+        seen = self.seen_from_camera()
+        return find_coincidence(seen.objects, origin_of_planes(seen.camera))
 
     @property
     def opaque(self) -> tuple[Object, ...]:

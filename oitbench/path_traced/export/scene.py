@@ -20,7 +20,7 @@ from oitbench.path_traced.export.texture import FilteredTextures
 from oitbench.path_traced.export.touching import separated
 from oitbench.path_traced.export.view import View
 from oitbench.scene import BLACK, Material, Object, Scene
-from oitbench.scene.texturing import distinct_images, premultiplied_pyramid
+from oitbench.scene.texturing import distinct_images
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,8 +76,7 @@ def export(scene: Scene, view: View, mitsuba: ModuleType) -> ExportedScene:
     numbers = {key: number for number, key in enumerate(images)}
     textures = None
     if images:
-        pyramids = [premultiplied_pyramid(pair) for pair in images.values()]
-        textures = FilteredTextures.build(mitsuba, drjit, pyramids, view)
+        textures = FilteredTextures.build(mitsuba, drjit, images.values(), view)
     film = Film(mitsuba, drjit, view, textures)
     groups = layout(scene)
     for name, group in groups.items():
