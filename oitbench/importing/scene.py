@@ -17,7 +17,7 @@ from oitbench.importing.limits import Budget
 from oitbench.importing.notes import Notes
 from oitbench.importing.obj.read import read_obj
 from oitbench.importing.ply.read import read_ply
-from oitbench.parameters import AnyParameter, Parameter
+from oitbench.parameters import AnyParameter, Parameter, Value
 from oitbench.places import IMPORTED
 from oitbench.scene import EnvironmentLight, Floats, Light, Object, Scene, Texture, Vector
 
@@ -47,6 +47,21 @@ PARAMETERS: Mapping[str, AnyParameter] = {
     "limit": Parameter(1.0, low=0.01, high=100.0, help="factor on the limits of size"),
 }
 """Parameters of every imported scene."""
+
+
+def with_defaults(**values: Value) -> Mapping[str, AnyParameter]:
+    """Return `PARAMETERS` with other defaults.
+
+    Raises
+    ------
+    UsageError
+        A value is not allowed.
+    """
+    found = dict(PARAMETERS)
+    for name, value in values.items():
+        checked = PARAMETERS[name].check("import", name, value)
+        found[name] = replace(PARAMETERS[name], default=checked)
+    return found
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,14 +124,14 @@ def read_scene(
             content = reader(path, folder, budget, notes)
         if up == "z":
             content = _turned(content)
-        scene = _complete(content, name or path.stem, notes, light, environment, ground, exposure)
+        scene = _complete(path, content, name or path.stem, notes, light, environment, ground, exposure)
     except (MemoryError, OverflowError) as error:
         raise SceneError("it needs more memory than there is") from error
     return Imported(replace(scene, meters_per_unit=unit), notes.lines, folder.read_files)
 
 
 def _complete(
-    content: Content, name: str, notes: Notes, light: str, environment: str, ground: str,
+    file: Path, content: Content, name: str, notes: Notes, light: str, environment: str, ground: str,
     exposure: float,
 ) -> Scene:  # fmt: skip
     low, high = content.bounds
@@ -128,7 +143,7 @@ def _complete(
     stops = framing.stops_for(beams, low, high)
     if stops:
         notes.add(f"the lights of the file suit an exposure of {stops:+g} stops")
-    around = _environment(environment, stops)
+    around = _environment(file, environment, stops)
     objects = list(content.objects)
     below = None if ground == "no" else framing.ground(objects, low, high, ground == "yes")
     if below is not None:
@@ -145,7 +160,7 @@ def _complete(
     )
 
 
-def _environment(text: str, stops: float) -> list[EnvironmentLight]:
+def _environment(file: Path, text: str, stops: float) -> list[EnvironmentLight]:
     if text == NONE:
         return []
     if text == AUTO:
@@ -154,7 +169,9 @@ def _environment(text: str, stops: float) -> list[EnvironmentLight]:
         return [EnvironmentLight(Texture(sky.texels.astype(np.float32) * np.float32(2**-stops)))]
     from oitbench.image.files import read_image
 
-    return [EnvironmentLight(Texture(np.ascontiguousarray(read_image(Path(text))[..., :3])))]
+    beside = file.parent / text
+    picture = read_image(beside if beside.is_file() else Path(text))
+    return [EnvironmentLight(Texture(np.ascontiguousarray(picture[..., :3])))]
 
 
 def _renamed(item: Object, others: list[Object]) -> Object:
