@@ -6,6 +6,7 @@ import ast
 import os
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 from oitbench.catalog.messages import (
     AxesFound,
@@ -68,7 +69,8 @@ def _inspect(collection: Collection, request: Inspect) -> Inspected:
 
     path = _path(request.path)
     collection.places.scenes.add(request.scene.partition("[")[0], path)
-    imported = read_scene(path, **collection.scene_values(request.scene))
+    values: dict[str, Any] = collection.scene_values(request.scene)
+    imported = read_scene(path, **values)
     files = {name: os.fsencode(file) for name, file in imported.files.items()}
     return Inspected(list(imported.notes), files)
 

@@ -88,7 +88,7 @@ def _has_ground(objects: Sequence[Object], low: Floats, high: Floats) -> bool:
     area, top = 0.0, low[1] + _LOW * (high[1] - low[1])
     for item in objects:
         mesh = item.mesh
-        if not item.material.opaque or mesh.used_positions[:, 1].min() > top:
+        if not item.opaque or mesh.used_positions[:, 1].min() > top:
             continue
         a, b, c = (mesh.positions[column] for column in mesh.triangles.T)
         upward = np.cross(b - a, c - a)[:, 1] / 2
@@ -111,9 +111,7 @@ def sky() -> EnvironmentLight:
     return gradient_sky(stops)
 
 
-def spots(
-    points: Sequence[PointLight], low: Floats, high: Floats, notes: Notes
-) -> list[SpotLight]:
+def spots(points: Sequence[PointLight], low: Floats, high: Floats, notes: Notes) -> list[SpotLight]:
     """Return spot lights that stand for lights that shine to all sides.
 
     One that is outside the bounding sphere becomes a spot that shines on all of it. One that is

@@ -1,4 +1,4 @@
-"""How much a file of a user may ask for, so that a damaged or hostile one cannot take everything."""
+"""How much the file of a user may ask for, so that a damaged one cannot take everything."""
 
 from __future__ import annotations
 

@@ -1,26 +1,23 @@
-"""Formulas that turn the materials of files into those of oitbench, see the table in CONVENTIONS."""
+"""Formulas that turn materials of files into those of oitbench; CONVENTIONS.md has a table."""
 
 from __future__ import annotations
 
-from typing import TypeVar
-
 import numpy as np
 
-from oitbench.scene import RGB, Array, Floats
+from oitbench.scene import RGB, Array
 
-Value = TypeVar("Value", float, Floats, Array)
 PLASTIC = 0.04
 """Reflectance F₀ of a dielectric that states none: that of the refractive index 1.5."""
 
 
-def transmission_of(base: Value, part: Value) -> Value:
+def transmission_of(base: Array, part: Array) -> Array:
     """Return T and that a surface scatters the rest: of the base color b, the part p passes.
 
     A file means the transmittance b·p and the albedo k = b·(1 − p), per channel. As oitbench
     transmits T·(1 − k), T is b·p / (1 − b·(1 − p)), which is never above 1.
     """
     scattered = base * (1 - part)
-    return np.minimum(base * part / np.maximum(1 - scattered, 1e-6), 1)  # type: ignore[return-value]
+    return np.asarray(np.minimum(base * part / np.maximum(1 - scattered, 1e-6), 1))
 
 
 def collimation_of(roughness: float, index: float) -> float:

@@ -1,4 +1,4 @@
-"""Decodes pictures of untrusted files: PNG, JPEG and WebP, sizes checked before they are decoded."""
+"""Decodes pictures of untrusted files; their sizes are checked before they are decoded."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def read_picture(content: bytes | memoryview, name: str, budget: Budget) -> Byte
                 if image.mode.startswith("I"):
                     # Sixteen bits of gray; Pillow would clip them.
                     high = (np.asarray(image).astype(np.int64) >> 8).clip(0, 255).astype(np.uint8)
-                    image = Image.fromarray(high)
+                    return np.array(Image.fromarray(high).convert("RGBA"))
                 return np.array(image.convert("RGBA"))
     except SceneError:
         raise

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import numpy.typing as npt
 
 from oitbench.importing.limits import Budget
 from oitbench.importing.notes import Notes
@@ -48,7 +49,7 @@ def split(positions: Floats, polygons: Indices, notes: Notes) -> Indices:
     return found
 
 
-def _concave(positions: Floats, polygons: Indices, fan: Indices) -> np.ndarray:
+def _concave(positions: Floats, polygons: Indices, fan: Indices) -> npt.NDArray[np.bool_]:
     """Return which polygons have a triangle in their fan that faces another way."""
     start = positions[polygons[:, 0]]
     normals = [
@@ -56,7 +57,7 @@ def _concave(positions: Floats, polygons: Indices, fan: Indices) -> np.ndarray:
         for _, b, c in fan
     ]
     total = np.sum(normals, axis=0)
-    return np.any([(one * total).sum(axis=1) < 0 for one in normals], axis=0)
+    return np.asarray(np.any([(one * total).sum(axis=1) < 0 for one in normals], axis=0))
 
 
 def _ears(places: Floats) -> Indices:
@@ -87,6 +88,4 @@ def _is_ear(flat: Floats, left: list[int], k: int) -> bool:
 
 def _turn(a: Floats, b: Floats, c: Floats) -> Floats:
     """Return twice the signed area of triangles; `c` may be several points."""
-    return np.asarray(
-        (b[0] - a[0]) * (c[..., 1] - a[1]) - (b[1] - a[1]) * (c[..., 0] - a[0])
-    )
+    return np.asarray((b[0] - a[0]) * (c[..., 1] - a[1]) - (b[1] - a[1]) * (c[..., 0] - a[0]))

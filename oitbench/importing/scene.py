@@ -5,8 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from oitbench.errors import SceneError, UsageError
 from oitbench.importing import framing
@@ -19,7 +21,7 @@ from oitbench.importing.obj.read import read_obj
 from oitbench.importing.ply.read import read_ply
 from oitbench.parameters import AnyParameter, Parameter, Value
 from oitbench.places import IMPORTED
-from oitbench.scene import EnvironmentLight, Floats, Light, Object, Scene, Texture, Vector
+from oitbench.scene import DirectionalLight, EnvironmentLight, Light, Object, Scene, Texture, Vector
 
 AUTO, NONE = "auto", "none"
 _READERS: Mapping[str, Callable[[Path, Folder, Budget, Notes], Content]] = {
@@ -124,15 +126,17 @@ def read_scene(
             content = reader(path, folder, budget, notes)
         if up == "z":
             content = _turned(content)
-        scene = _complete(path, content, name or path.stem, notes, light, environment, ground, exposure)
+        scene = _complete(
+            path, content, name or path.stem, notes, light, environment, ground, exposure
+        )
     except (MemoryError, OverflowError) as error:
         raise SceneError("it needs more memory than there is") from error
     return Imported(replace(scene, meters_per_unit=unit), notes.lines, folder.read_files)
 
 
 def _complete(
-    file: Path, content: Content, name: str, notes: Notes, light: str, environment: str, ground: str,
-    exposure: float,
+    file: Path, content: Content, name: str, notes: Notes, light: str, environment: str,
+    ground: str, exposure: float,
 ) -> Scene:  # fmt: skip
     low, high = content.bounds
     beams: list[Light] = [*content.lights, *framing.spots(content.points, low, high, notes)]
@@ -185,7 +189,7 @@ def _renamed(item: Object, others: list[Object]) -> Object:
 def _turned(content: Content) -> Content:
     """Return a content whose z axis points up with y up: (x, y, z) becomes (x, z, −y)."""
 
-    def rows(values: Floats) -> Floats:
+    def rows(values: npt.NDArray[Any]) -> npt.NDArray[Any]:
         return np.stack([values[:, 0], values[:, 2], -values[:, 1]], axis=1)
 
     def one(vector: Vector) -> Vector:
@@ -196,18 +200,19 @@ def _turned(content: Content) -> Content:
     for item in content.objects:
         mesh, normals = item.mesh, item.mesh.normals
         turned = replace(
-            mesh, positions=rows(mesh.positions),
-            normals=None if normals is None else rows(normals).astype(np.float32),
-        )  # fmt: skip
+            mesh,
+            positions=rows(mesh.positions),
+            normals=None if normals is None else rows(normals),
+        )
         objects.append(replace(item, mesh=turned))
     cameras = {
         name: replace(c, position=one(c.position), target=one(c.target), up=one(c.up))
         for name, c in content.cameras.items()
     }
     lights = [
-        replace(light, position=one(light.position), target=one(light.target))
-        if hasattr(light, "position")
-        else replace(light, direction=one(light.direction))
+        replace(light, direction=one(light.direction))
+        if isinstance(light, DirectionalLight)
+        else replace(light, position=one(light.position), target=one(light.target))
         for light in content.lights
     ]
     points = [replace(point, position=one(point.position)) for point in content.points]

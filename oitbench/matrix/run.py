@@ -136,7 +136,10 @@ def run_matrix(
     summary = Summary()
     pool = [
         WorkerProcess(
-            matrix.collections, matrix.method_folders, matrix.scene_files, matrix.out,
+            matrix.collections,
+            matrix.method_folders,
+            matrix.scene_files,
+            matrix.out,
             matrix.memory_limit,
         )
         for _ in range(matrix.workers)

@@ -147,7 +147,9 @@ Reply = Greeting | CellsIdentified | CellDone | CellsTimed | PictureDrawn | Targ
 
 
 def _begin(settings: Settings, on_step: OnStep) -> Callable[[Request], Reply]:
-    places = Places(*(map(_path, p) for p in (settings.collections, settings.methods, settings.scenes)))
+    places = Places(
+        *(map(_path, p) for p in (settings.collections, settings.methods, settings.scenes))
+    )
     bench = Bench(Collection(places), _path(settings.folder), on_step)
 
     def answer(request: Request) -> Reply:

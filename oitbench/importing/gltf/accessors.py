@@ -15,6 +15,7 @@ _TYPES: dict[int, np.dtype[np.generic]] = {
     5120: np.dtype("<i1"), 5121: np.dtype("<u1"), 5122: np.dtype("<i2"),
     5123: np.dtype("<u2"), 5125: np.dtype("<u4"), 5126: np.dtype("<f4"),
 }  # fmt: skip
+_LARGEST = {5120: 127, 5121: 255, 5122: 32767, 5123: 65535, 5125: 2**32 - 1}
 _WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4}
 
 
@@ -39,7 +40,7 @@ def read_vectors(document: Document, index: int, *widths: int) -> Floats:
         raise SceneError(f"accessor {index} is {accessor.type}; the attribute needs another type")
     values = np.asarray(array, dtype=np.float64)
     if accessor.normalized and array.dtype.kind in "iu":
-        values = np.maximum(values / np.iinfo(array.dtype).max, -1.0)
+        values = np.maximum(values / _LARGEST[accessor.component_type], -1.0)
     if array.dtype.kind == "f" and not np.isfinite(array).all():
         raise SceneError(f"accessor {index} holds NaN or infinity; export the file again")
     return values
@@ -47,7 +48,7 @@ def read_vectors(document: Document, index: int, *widths: int) -> Floats:
 
 def read_indices(document: Document, index: int) -> npt.NDArray[np.int64]:
     """Return vertex indices, shape (count,)."""
-    accessor, array = _read(document, index)
+    _, array = _read(document, index)
     if array.shape[1] != 1 or array.dtype.kind != "u":
         raise SceneError(f"accessor {index} holds no indices; use unsigned scalars")
     return np.asarray(array[:, 0], dtype=np.int64)

@@ -39,9 +39,7 @@ def add_camera(document: Document, content: Content, node: Node, matrix: Floats)
     content.cameras[name] = _camera(described, name, position, ahead, up)
 
 
-def _camera(
-    described: Described, name: str, position: Vector, ahead: Floats, up: Vector
-) -> Camera:
+def _camera(described: Described, name: str, position: Vector, ahead: Floats, up: Vector) -> Camera:
     target = as_vector(np.asarray(position) + ahead)
     if described.perspective is not None:
         lens = described.perspective

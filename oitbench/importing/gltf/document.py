@@ -3,21 +3,29 @@
 from __future__ import annotations
 
 import struct
+from contextlib import suppress
 from pathlib import Path
 from typing import TypeVar
 
 import msgspec
+from msgspec import Struct
 
 from oitbench.errors import SceneError
 from oitbench.importing.files import Folder
 from oitbench.importing.gltf.extensions import KNOWN, PACKED
-from oitbench.importing.gltf.schema import BufferView, Gltf
+from oitbench.importing.gltf.schema import Asset, BufferView, Gltf
 from oitbench.importing.limits import Budget, short
 from oitbench.importing.notes import Notes
 
 Part = TypeVar("Part")
 _MAGIC = b"glTF"
 _JSON, _BINARY = 0x4E4F534A, 0x004E4942
+
+
+class _Head(Struct, frozen=True):
+    """What every version of glTF has."""
+
+    asset: Asset = Asset()
 
 
 class Document:
@@ -44,9 +52,12 @@ class Document:
             # Some writers pad with zero bytes.
             self.gltf = msgspec.json.decode(text.rstrip(b"\0"), type=Gltf)
         except (msgspec.MsgspecError, RecursionError) as error:
+            with suppress(msgspec.MsgspecError, RecursionError):
+                # Another version is the better reason.
+                _check_version(msgspec.json.decode(text.rstrip(b"\0"), type=_Head).asset)
             raise SceneError(f"its JSON cannot be read: {error}") from error
         self._buffers: dict[int, memoryview] = {}
-        _check_version(self.gltf)
+        _check_version(self.gltf.asset)
         _check_extensions(self.gltf, notes)
 
     def part(self, kind: str, parts: list[Part], index: int) -> Part:
@@ -116,8 +127,8 @@ def _split(content: bytes) -> tuple[bytes, bytes | None]:
     return chunks[_JSON], chunks.get(_BINARY)
 
 
-def _check_version(gltf: Gltf) -> None:
-    version = gltf.asset.min_version or gltf.asset.version
+def _check_version(asset: Asset) -> None:
+    version = asset.min_version or asset.version
     if version.partition(".")[0] != "2":
         raise SceneError(f"it is glTF '{short(version)}'; convert it to glTF 2.0")
 

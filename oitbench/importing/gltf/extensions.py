@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-import msgspec
 from msgspec import Meta, Struct
 
 from oitbench.importing.gltf.schema import (
@@ -101,10 +100,10 @@ class Spot(Struct, rename="camel", frozen=True):
     outer_cone_angle: Annotated[float, Meta(gt=0, le=1.5708)] = 0.7853981633974483
 
 
-class PunctualLight(Extended, frozen=True):
+class PunctualLight(Extended, frozen=True, kw_only=True):
     """A light that shines along −z of its node; candela, or lux if directional."""
 
-    type: Literal["directional", "point", "spot"] = msgspec.field()
+    type: Literal["directional", "point", "spot"]
     color: Light = (1.0, 1.0, 1.0)
     intensity: NotNegative = 1.0
     range: Positive | None = None
@@ -120,16 +119,16 @@ class PunctualLights(Struct, rename="camel", frozen=True):
 class LightOfNode(Struct, rename="camel", frozen=True):
     """The light at a node."""
 
-    light: Index = msgspec.field()
+    light: Index
 
 
 class Instancing(Struct, rename="camel", frozen=True):
     """Accessors of the translation, rotation and scale of each copy of a node's mesh."""
 
-    attributes: dict[str, Index] = msgspec.field()
+    attributes: dict[str, Index]
 
 
 class Webp(Struct, rename="camel", frozen=True):
     """An image in the format WebP."""
 
-    source: Index = msgspec.field()
+    source: Index

@@ -22,11 +22,14 @@ from oitbench.importing.pictures import fractions, linear
 from oitbench.importing.shapes import encloses
 from oitbench.importing.values import Canvas, Values, same_size
 from oitbench.modeling.glass import transmission as through_solid
-from oitbench.scene import BLACK, Array, Material, Mesh, Texture
+from oitbench.scene import BLACK, RGB, Array, Material, Mesh, Object, Texture
 
 _METAL = (
     "metals: the part of the base color that all channels share is mirrored, the rest is diffuse"
 )
+_GRAY = 0.02
+"""Difference between channels of a metal that is not noted."""
+_EVEN = "solids have the mean of their textures and of their colors at vertices"
 _MEANS = "textures that lie otherwise than the base color, or reflectance, are replaced by means"
 
 
@@ -46,8 +49,10 @@ class Look:
         Whether alpha of vertices counts.
     inside : Volume, optional
         If light passes a surface that may bound a solid.
-    solid : Material
-        As the boundary of a solid, before attenuation.
+    base_albedo, base_transmission : RGB
+        Means over the surface, before attenuation: those of a solid.
+    hidden : bool
+        Whether nothing is seen of it on any mesh.
     """
 
     material: Material
@@ -55,7 +60,9 @@ class Look:
     unlit: bool
     alpha: bool
     inside: known.Volume | None
-    solid: Material
+    base_albedo: RGB = BLACK
+    base_transmission: RGB = BLACK
+    hidden: bool = False
 
     @property
     def passes(self) -> bool:
@@ -75,42 +82,49 @@ class Materials:
         if index not in self._looks:
             described = Described()
             if index is not None:
-                described = self._document.part(
-                    "material", self._document.gltf.materials, index
-                )
-            name = described.name or f"material {index}"
+                described = self._document.part("material", self._document.gltf.materials, index)
+            name = described.name or ("the default" if index is None else f"material {index}")
             self._looks[index] = _Reader(self._document, self._textures, described, name).look()
         return self._looks[index]
 
-    def on_mesh(self, look: Look, mesh: Mesh, name: str) -> Material | None:
-        """Return the material of a look on a mesh; None if nothing of it can be seen.
+    def fitted(self, look: Look, mesh: Mesh, name: str) -> Object | None:
+        """Return the object of a look and a mesh; None if nothing of it can be seen.
 
-        It is that of a solid if the look has an inside and the mesh is closed.
+        It is a solid if the look has an inside and the mesh is closed.
         """
-        material = self._closed(look, mesh, name)
-        if mesh.coverage is not None or isinstance(material.coverage, Texture):
-            return material
-        if material.cutoff is not None:
-            seen = material.coverage >= material.cutoff
-            material = replace(
-                material, coverage=float(seen), cutoff=None, binary_coverage=False
-            )
-        return material if material.coverage > 0 else None
-
-    def _closed(self, look: Look, mesh: Mesh, name: str) -> Material:
-        if look.inside is None:
-            return look.material
-        if not encloses(mesh):
+        if look.hidden:
+            return None
+        if look.inside is not None:
+            if encloses(mesh):
+                return self._solid(look, look.inside, mesh, name)
             self._document.notes.add(
                 "a volume that its mesh does not enclose, with normals outwards, is a thin sheet",
                 name,
             )
-            return look.material
-        distance = look.inside.attenuation_distance
-        if distance is None:
-            return look.solid
-        passed = through_solid(look.inside.attenuation_color, distance, mesh)
-        return _dimmed(look.solid, np.asarray(passed, dtype=np.float32))
+        material, coverage = look.material, look.material.coverage
+        if mesh.coverage is None and not isinstance(coverage, Texture):
+            if material.cutoff is not None:
+                coverage = float(coverage >= material.cutoff)
+                material = replace(material, coverage=coverage, cutoff=None, binary_coverage=False)
+            if coverage <= 0:
+                return None
+        return Object(name, mesh, material)
+
+    def _solid(self, look: Look, inside: known.Volume, mesh: Mesh, name: str) -> Object:
+        """Return a solid, which has one tint."""
+        material = replace(look.material, solid=True, culled=False)
+        albedo, tint = look.base_albedo, look.base_transmission
+        if mesh.albedo is not None or mesh.transmission is not None:
+            mean = np.asarray(mesh.albedo).mean(axis=0)
+            albedo, tint = color(np.multiply(albedo, mean)), color(np.multiply(tint, mean))
+            mesh = replace(mesh, albedo=None, transmission=None)
+            self._document.notes.add(_EVEN, name)
+        if isinstance(material.albedo, Texture) or isinstance(material.transmission, Texture):
+            self._document.notes.add(_EVEN, name)
+        if inside.attenuation_distance is not None:
+            passed = through_solid(inside.attenuation_color, inside.attenuation_distance, mesh)
+            tint = color(np.multiply(tint, passed))
+        return Object(name, mesh, replace(material, albedo=albedo, transmission=tint))
 
 
 class _Reader:
@@ -140,12 +154,14 @@ class _Reader:
             base = base * linear(layer.pixels[..., :3])
             alpha = alpha * fractions(layer.pixels[..., 3:])
         material = Material(
-            coverage=1.0 if described.alpha_mode == "OPAQUE" else self._canvas().scalar(alpha),
-            cutoff=self._cutoff(),
+            coverage=1.0 if self._mode == "OPAQUE" else self._canvas().scalar(alpha),
+            cutoff=min(described.alpha_cutoff, 1.0) if self._mode == "MASK" else None,
             culled=not described.double_sided,
         )
         if known.UNLIT in described.extensions:
-            material = replace(material, emission=self._canvas().color(base), specular=0.0, roughness=1.0)
+            material = replace(
+                material, emission=self._canvas().color(base), specular=0.0, roughness=1.0
+            )
             return self._finished(material, None, unlit=True)
         return self._lit(material, base)
 
@@ -167,7 +183,7 @@ class _Reader:
         passes = bool(passing.any())
         index = self._index()
         specular = self._specular(index, metallic, mirrored)
-        if metallic.any():
+        if bool((metallic * rest > _GRAY).any()):
             self._notes.add(_METAL, self._name)
         mean = float(roughness.mean())
         material = replace(
@@ -194,23 +210,28 @@ class _Reader:
     def _finished(
         self, material: Material, volume: known.Volume | None, unlit: bool = False
     ) -> Look:
-        solid = replace(material, solid=True, culled=False)
         inside = volume if volume is not None and volume.thickness_factor > 0 else None
+        albedo, tint = _mean(material.albedo), _mean(material.transmission)
         if inside is not None:
             if inside.thickness_texture is not None:
                 self._notes.add("maps of thickness are ignored; the factor counts", self._name)
             if inside.attenuation_distance is not None:
                 depth = inside.thickness_factor / inside.attenuation_distance
-                lost = np.array(inside.attenuation_color, dtype=np.float64) ** depth
+                with np.errstate(all="ignore"):
+                    lost = np.array(inside.attenuation_color, dtype=np.float64) ** depth
                 material = _dimmed(material, lost.astype(np.float32))
-        alpha = self._described.alpha_mode != "OPAQUE"
-        return Look(material, self._placement, unlit, alpha, inside, solid)
+            if material.cutoff is not None:
+                self._notes.add("a volume with a cutoff is a thin sheet", self._name)
+                inside = None
+        hidden = self._mode == "MASK" and self._described.alpha_cutoff > 1
+        alpha = self._mode != "OPAQUE"
+        return Look(material, self._placement, unlit, alpha, inside, albedo, tint, hidden)
 
-    def _cutoff(self) -> float | None:
-        if self._described.alpha_mode != "MASK":
-            return None
-        # A cutoff above 1 hides everything, as does any that no coverage reaches.
-        return min(self._described.alpha_cutoff, 1.0)
+    @property
+    def _mode(self) -> str:
+        """The mode of alpha; every coverage reaches a cutoff of 0."""
+        reached = self._described.alpha_mode == "MASK" and self._described.alpha_cutoff == 0
+        return "OPAQUE" if reached else self._described.alpha_mode
 
     def _index(self) -> float:
         found = self._described.extension(known.IOR, known.Ior)
@@ -230,8 +251,9 @@ class _Reader:
         if found is not None:
             strength = found.specular_factor
             tint = np.array(found.specular_color_factor)
-            alpha, colors = self._used(found.specular_texture), self._used(
-                found.specular_color_texture
+            alpha, colors = (
+                self._used(found.specular_texture),
+                self._used(found.specular_color_texture),
             )
             if alpha is not None:
                 strength *= float(fractions(alpha.pixels[..., 3]).mean())
@@ -263,7 +285,9 @@ class _Reader:
         if strength is not None:
             factor = factor * np.float32(strength.emissive_strength)
         layer = self._layer(described.emissive_texture) if factor.any() else None
-        return self._canvas().color(factor if layer is None else factor * linear(layer.pixels[..., :3]))
+        return self._canvas().color(
+            factor if layer is None else factor * linear(layer.pixels[..., :3])
+        )
 
     def _used(self, info: TextureInfo | None) -> Layer | None:
         return self._textures.layer(info)
@@ -292,3 +316,8 @@ def _dimmed(material: Material, factor: Array) -> Material:
         return replace(material, transmission=replace(found, texels=found.texels * factor))
     return replace(material, transmission=color(np.asarray(found) * factor))
 
+
+def _mean(value: RGB | Texture) -> RGB:
+    if not isinstance(value, Texture):
+        return value
+    return color(value.texels.reshape(-1, value.texels.shape[-1]).mean(axis=0))

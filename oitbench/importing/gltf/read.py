@@ -17,7 +17,7 @@ from oitbench.importing.gltf.nodes import copies, walk
 from oitbench.importing.gltf.primitives import Geometry, read_primitive
 from oitbench.importing.limits import Budget, short
 from oitbench.importing.notes import Notes
-from oitbench.scene import Floats, Mesh, Object
+from oitbench.scene import Floats, Mesh
 
 
 def read_gltf(file: Path, folder: Folder, budget: Budget, notes: Notes) -> Content:
@@ -64,9 +64,9 @@ class _Reader:
             document.budget.take("triangles", len(geometry.triangles) * len(matrices))
             document.budget.take("vertices", len(geometry.positions) * len(matrices))
             placed = self._mesh(geometry, look, matrices, title)
-            material = self._materials.on_mesh(look, placed, title)
-            if material is not None:
-                self._content.objects.append(Object(title, placed, material))
+            found = self._materials.fitted(look, placed, title)
+            if found is not None:
+                self._content.objects.append(found)
 
     def _mesh(self, geometry: Geometry, look: Look, matrices: Floats, name: str) -> Mesh:
         """Return the copies of a geometry as one mesh in the world."""

@@ -31,7 +31,7 @@ Quad = tuple[float, float, float, float]
 Found = TypeVar("Found", bound=Struct)
 
 
-class Extended(Struct, rename="camel", frozen=True):
+class Extended(Struct, rename="camel", frozen=True, kw_only=True):
     """A part of the document that may have a name and extensions."""
 
     name: str = ""
@@ -48,25 +48,25 @@ class Extended(Struct, rename="camel", frozen=True):
             raise SceneError(f"{name}: {error}") from error
 
 
-class Asset(Extended, frozen=True):
+class Asset(Extended, frozen=True, kw_only=True):
     """The version that the file needs."""
 
     version: str = ""
     min_version: str = ""
 
 
-class Buffer(Extended, frozen=True):
+class Buffer(Extended, frozen=True, kw_only=True):
     """Bytes of a file, a data URI, or the binary chunk of a .glb."""
 
-    byte_length: Size = msgspec.field()
+    byte_length: Size
     uri: str | None = None
 
 
-class BufferView(Extended, frozen=True):
+class BufferView(Extended, frozen=True, kw_only=True):
     """A part of a buffer."""
 
-    buffer: Index = msgspec.field()
-    byte_length: Size = msgspec.field()
+    buffer: Index
+    byte_length: Size
     byte_offset: Size = 0
     byte_stride: Annotated[int, Meta(ge=4, le=252)] | None = None
 
@@ -74,81 +74,81 @@ class BufferView(Extended, frozen=True):
 ComponentType = Literal[5120, 5121, 5122, 5123, 5125, 5126]
 
 
-class SparseIndices(Extended, frozen=True):
+class SparseIndices(Extended, frozen=True, kw_only=True):
     """Which elements of an accessor differ."""
 
-    buffer_view: Index = msgspec.field()
-    component_type: Literal[5121, 5123, 5125] = msgspec.field()
+    buffer_view: Index
+    component_type: Literal[5121, 5123, 5125]
     byte_offset: Size = 0
 
 
-class SparseValues(Extended, frozen=True):
+class SparseValues(Extended, frozen=True, kw_only=True):
     """The values of those elements."""
 
-    buffer_view: Index = msgspec.field()
+    buffer_view: Index
     byte_offset: Size = 0
 
 
-class Sparse(Extended, frozen=True):
+class Sparse(Extended, frozen=True, kw_only=True):
     """Elements of an accessor that differ from its buffer view, or from zero."""
 
-    count: Count = msgspec.field()
-    indices: SparseIndices = msgspec.field()
-    values: SparseValues = msgspec.field()
+    count: Count
+    indices: SparseIndices
+    values: SparseValues
 
 
-class Accessor(Extended, frozen=True):
+class Accessor(Extended, frozen=True, kw_only=True):
     """An array of numbers or vectors in a buffer view; zeros if it has none."""
 
-    component_type: ComponentType = msgspec.field()
-    count: Count = msgspec.field()
-    type: Literal["SCALAR", "VEC2", "VEC3", "VEC4", "MAT2", "MAT3", "MAT4"] = msgspec.field()
+    component_type: ComponentType
+    count: Count
+    type: Literal["SCALAR", "VEC2", "VEC3", "VEC4", "MAT2", "MAT3", "MAT4"]
     buffer_view: Index | None = None
     byte_offset: Size = 0
     normalized: bool = False
     sparse: Sparse | None = None
 
 
-class Primitive(Extended, frozen=True):
+class Primitive(Extended, frozen=True, kw_only=True):
     """Geometry of one material; `attributes` and `indices` are accessors."""
 
-    attributes: dict[str, Index] = msgspec.field()
+    attributes: dict[str, Index]
     indices: Index | None = None
     material: Index | None = None
     mode: Annotated[int, Meta(ge=0, le=6)] = 4
     targets: list[Any] = []
 
 
-class Mesh(Extended, frozen=True):
+class Mesh(Extended, frozen=True, kw_only=True):
     """Primitives that are placed together."""
 
-    primitives: list[Primitive] = msgspec.field()
+    primitives: list[Primitive]
 
 
-class Perspective(Extended, frozen=True):
+class Perspective(Extended, frozen=True, kw_only=True):
     """A pinhole camera; `yfov` is the full vertical angle, radians."""
 
-    yfov: Annotated[float, Meta(gt=0, lt=3.14159)] = msgspec.field()
-    znear: Positive = msgspec.field()
+    yfov: Annotated[float, Meta(gt=0, lt=3.14159)]
+    znear: Positive
     zfar: Positive | None = None
 
 
-class Orthographic(Extended, frozen=True):
+class Orthographic(Extended, frozen=True, kw_only=True):
     """A parallel projection; `ymag` is half the height of the picture."""
 
-    ymag: float = msgspec.field()
-    znear: NotNegative = msgspec.field()
-    zfar: Positive = msgspec.field()
+    ymag: float
+    znear: NotNegative
+    zfar: Positive
 
 
-class Camera(Extended, frozen=True):
+class Camera(Extended, frozen=True, kw_only=True):
     """A camera that looks along −z of its node."""
 
     perspective: Perspective | None = None
     orthographic: Orthographic | None = None
 
 
-class Node(Extended, frozen=True):
+class Node(Extended, frozen=True, kw_only=True):
     """A place in the hierarchy: a matrix, or translation, rotation and scale."""
 
     children: list[Index] = []
@@ -161,20 +161,20 @@ class Node(Extended, frozen=True):
     skin: Index | None = None
 
 
-class Scene(Extended, frozen=True):
+class Scene(Extended, frozen=True, kw_only=True):
     """The roots of a hierarchy of nodes."""
 
     nodes: list[Index] = []
 
 
-class Image(Extended, frozen=True):
+class Image(Extended, frozen=True, kw_only=True):
     """A PNG or JPEG, in a file, a data URI or a buffer view."""
 
     uri: str | None = None
     buffer_view: Index | None = None
 
 
-class Sampler(Extended, frozen=True):
+class Sampler(Extended, frozen=True, kw_only=True):
     """How a texture is filtered and continued beyond its edges."""
 
     mag_filter: int | None = None
@@ -183,21 +183,21 @@ class Sampler(Extended, frozen=True):
     wrap_t: Literal[33071, 33648, 10497] = 10497
 
 
-class Texture(Extended, frozen=True):
+class Texture(Extended, frozen=True, kw_only=True):
     """An image with a sampler."""
 
     source: Index | None = None
     sampler: Index | None = None
 
 
-class TextureInfo(Extended, frozen=True):
+class TextureInfo(Extended, frozen=True, kw_only=True):
     """The use of a texture by a material."""
 
-    index: Index = msgspec.field()
+    index: Index
     tex_coord: Annotated[int, Meta(ge=0, lt=64)] = 0
 
 
-class MetallicRoughness(Extended, frozen=True):
+class MetallicRoughness(Extended, frozen=True, kw_only=True):
     """Base color, and how metallic and rough a surface is."""
 
     base_color_factor: tuple[Fraction, Fraction, Fraction, Fraction] = (1.0, 1.0, 1.0, 1.0)
@@ -207,7 +207,7 @@ class MetallicRoughness(Extended, frozen=True):
     metallic_roughness_texture: TextureInfo | None = None
 
 
-class Material(Extended, frozen=True):
+class Material(Extended, frozen=True, kw_only=True):
     """A material of the core specification."""
 
     pbr_metallic_roughness: MetallicRoughness = MetallicRoughness()
@@ -220,7 +220,7 @@ class Material(Extended, frozen=True):
     double_sided: bool = False
 
 
-class Gltf(Extended, frozen=True):
+class Gltf(Extended, frozen=True, kw_only=True):
     """The whole document."""
 
     asset: Asset = Asset()

@@ -75,7 +75,9 @@ class Textures:
         webp = texture.extension(WEBP, Webp)
         source = texture.source if webp is None else webp.source
         if source is None:
-            document.notes.add("textures in an unknown format are left out", f"texture {info.index}")
+            document.notes.add(
+                "textures in an unknown format are left out", f"texture {info.index}"
+            )
             return None
         if source not in self._pictures:
             self._pictures[source] = self._read(source)

@@ -9,7 +9,7 @@ import numpy as np
 from oitbench.errors import SceneError
 from oitbench.importing.files import Folder
 from oitbench.importing.limits import Budget, short
-from oitbench.importing.looks import PLASTIC, roughness_of_exponent
+from oitbench.importing.looks import PLASTIC, color, roughness_of_exponent
 from oitbench.importing.notes import Notes
 from oitbench.importing.obj.text import lines_of, numbers_of
 from oitbench.importing.pictures import Bytes, fractions, linear, read_picture
@@ -110,7 +110,9 @@ class Library:
             if not values:
                 raise SceneError(f"material '{short(current.name)}': {key} has no number")
             # One number stands for three equal ones.
-            current.values[key] = (values * count)[:count] if len(values) < count else values[:count]
+            current.values[key] = (
+                (values * count)[:count] if len(values) < count else values[:count]
+            )
         elif key in _MAPS:
             current.maps[key] = rest
         elif key not in _SILENT:
@@ -172,7 +174,7 @@ class Library:
             plain = PLASTIC if specular is None else specular
             albedo = albedo * (1 - metal) + metal * np.maximum(albedo - np.float32(mirrored), 0)
             specular = (1 - metal) * plain + metal * mirrored
-        tint = tuple(float(np.clip(part, 0, 1)) for part in values["Tf"]) if passes else BLACK
+        tint = color(np.clip(values["Tf"], 0, 1)) if passes else BLACK
         return replace(
             material,
             # Glass scatters no light; its Kd is what viewers without refraction show.
@@ -229,7 +231,7 @@ def _is_number(word: str) -> bool:
 
 
 def _color(values: list[float]) -> Values:
-    return np.array(values, dtype=np.float32).clip(0, 1)
+    return np.asarray(np.array(values, dtype=np.float32).clip(0, 1))
 
 
 def _fraction(values: dict[str, list[float]], key: str, default: float) -> float:
@@ -241,4 +243,4 @@ def _opacity(pixels: Bytes) -> Values:
     alpha = pixels[..., 3:]
     if (alpha < 255).any():
         return fractions(alpha)
-    return fractions(pixels[..., :3]).mean(axis=-1, keepdims=True)
+    return np.asarray(fractions(pixels[..., :3]).mean(axis=-1, keepdims=True))

@@ -7,7 +7,6 @@ from pathlib import Path
 
 import numpy as np
 
-from oitbench.errors import SceneError
 from oitbench.importing import polygons, shapes
 from oitbench.importing.content import Content, Names
 from oitbench.importing.files import Folder
@@ -80,9 +79,7 @@ def _sorted(lines: list[str], notes: Notes) -> _Lines:
         key, _, rest = line.strip().partition(" ")
         if key == "f":
             if run is None:
-                run = Run(
-                    (len(found.vertices), len(found.coordinates), len(found.normals)), smooth
-                )
+                run = Run((len(found.vertices), len(found.coordinates), len(found.normals)), smooth)
                 found.runs.setdefault((title or group, material), []).append(run)
             run.faces.append(rest)
             continue
@@ -126,9 +123,7 @@ class _Data:
     normals: Floats
 
 
-def _mesh(
-    data: _Data, runs: list[Run], budget: Budget, notes: Notes, name: str
-) -> Mesh | None:
+def _mesh(data: _Data, runs: list[Run], budget: Budget, notes: Notes, name: str) -> Mesh | None:
     """Return the faces of some runs as a mesh; None if they have no area."""
     counts = len(data.positions), len(data.coordinates), len(data.normals)
     parts: list[Indices] = []

@@ -157,7 +157,7 @@ class BinaryBody:
                 fields += [("count", item.count), ("list", (item.type, (count,)))]
             else:
                 fields.append((str(number), other.type))
-        kind = np.dtype(fields)  # type: ignore[call-overload]
+        kind = np.dtype(fields)
         if self._start + element.rows * kind.itemsize > len(self._content):
             return None
         table = np.frombuffer(self._content, kind, element.rows, self._start)
@@ -170,7 +170,9 @@ class BinaryBody:
 def _wanted(element: Element, names: tuple[str, ...]) -> int:
     """Return the number of the first list with one of the names; −1 if there is none."""
     found = (
-        k for k, item in enumerate(element.properties) if item.count is not None and item.name in names
+        k
+        for k, item in enumerate(element.properties)
+        if item.count is not None and item.name in names
     )
     return next(found, -1)
 

@@ -84,7 +84,9 @@ def _object(
     normals = _vectors(vertices, ("nx", "ny", "nz"))
     if normals is not None:
         normals = shapes.unit_normals(normals[used], positions, triangles)
-    colors = next((c for names in _COLORS if (c := _linear(vertices, kinds, names)) is not None), None)
+    colors = next(
+        (c for names in _COLORS if (c := _linear(vertices, kinds, names)) is not None), None
+    )
     alpha = next((_fraction(vertices[n], kinds[n]) for n in _ALPHA if n in vertices), None)
     if alpha is not None and (alpha == 1).all():
         alpha = None
