@@ -36,7 +36,7 @@ _LOW, _FILLED = 0.05, 0.5
 """A scene has a ground if its lowest twentieth has faces upwards over half of its area."""
 _GROUND_SIZE = 4.0
 _GROUND = Material(albedo=(0.35, 0.34, 0.33), specular=0.0)
-_SUN = DirectionalLight((-0.45, -1.0, -0.35), (2.2, 2.1, 2.0))
+_SUN = DirectionalLight((-0.45, -1.0, -0.35), (1.8, 1.75, 1.7))
 _ALL_ROUND = math.pi - 1e-3
 
 
