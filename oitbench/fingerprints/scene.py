@@ -27,7 +27,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from oitbench.scene import Mesh, Object, Scene, Texture
+from oitbench.scene import Material, Mesh, Object, Scene, Texture
 from oitbench.scene.vectors import Floats
 
 _VERTEX_STEP = 1e-6
@@ -40,7 +40,10 @@ _SMALL = 1e-4
 _PLACES = frozenset({"position", "target", "low", "high"})
 """Fields that hold a point in the world as a tuple."""
 _UNSEEN = ((Scene, "name"), (Scene, "full_samples"), (Object, "name"))
-_LATER = ((Texture, "wrap"),)
+_LATER = (
+    (Texture, "wrap"), (Material, "cutoff"), (Material, "culled"),
+    (Mesh, "albedo"), (Mesh, "transmission"), (Mesh, "coverage"),
+)  # fmt: skip
 """Fields that are younger than stored fingerprints: they count only where they differ from their
 defaults."""
 _ROUND = 0.88196601125

@@ -7,7 +7,7 @@ layers of an array texture, because every driver limits their sides and their nu
 from __future__ import annotations
 
 import math
-from collections.abc import Hashable, Sequence
+from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass
 
 import moderngl
@@ -15,9 +15,17 @@ import numpy as np
 
 from oitbench.gl.device import Device
 from oitbench.gl.ownership import Owner
-from oitbench.scene import Array, Material, Object, Wrap
-from oitbench.scene.environment import lobe_number, rough_lobes
-from oitbench.scene.texturing import distinct_images, premultiplied_pyramid
+from oitbench.scene import Array, Material, Object, Texture, Wrap
+from oitbench.scene.environment import GRADES, lobe_number, rough_lobes
+from oitbench.scene.texturing import (
+    SLOTS,
+    constant,
+    distinct_images,
+    image_key,
+    images_of,
+    premultiplied_pyramid,
+    threshold_of,
+)
 
 _WRAPS = (Wrap.CLAMP, Wrap.REPEAT, Wrap.MIRROR)
 """By their numbers in `textures.glsl`."""
@@ -137,25 +145,81 @@ def surface_key(item: Object) -> Hashable:
 
 def upload_surfaces(device: Device, objects: Sequence[Object]) -> moderngl.Texture:
     """Return a texture with the numbers that `surface_at` (shading.glsl) reads, of each object."""
-    rows = math.ceil(len(objects) / MATERIALS_ACROSS)
-    device.within(f"a scene of {len(objects)} surfaces", rows, "GL_MAX_TEXTURE_SIZE")
-    numbers = np.zeros((rows * MATERIALS_ACROSS, 8), dtype=np.float32)
     lobes = rough_lobes([item.material for item in objects])
-    numbers[: len(objects)] = [_row_of(item, lobes) for item in objects]
+    return _table(device, [_row_of(item, lobes) for item in objects])
+
+
+def _table(device: Device, numbers: Sequence[Sequence[float]]) -> moderngl.Texture:
+    """Return a texture of two texels for each row of eight numbers."""
+    rows = math.ceil(len(numbers) / MATERIALS_ACROSS)
+    device.within(f"a scene of {len(numbers)} surfaces", rows, "GL_MAX_TEXTURE_SIZE")
+    stored = np.zeros((rows * MATERIALS_ACROSS, 8), dtype=np.float32)
+    stored[: len(numbers)] = numbers
     size = (2 * MATERIALS_ACROSS, rows)
-    texture = device.context.texture(size, 4, numbers.tobytes(), dtype="f4")
+    texture = device.context.texture(size, 4, stored.tobytes(), dtype="f4")
     texture.filter = (moderngl.NEAREST, moderngl.NEAREST)
     return texture
 
 
 def _row_of(item: Object, lobes: Sequence[float]) -> list[float]:
     material = item.material
+    roughness = 1.0 if isinstance(material.roughness, Texture) else material.roughness
     index = material.index if material.refracts else 1.0
-    mapped = item.casts and not material.opaque
+    mapped = item.casts and not item.opaque
     facts = (material.isotropic, material.binary_coverage, item.receives_shadows, mapped)
     flags = sum(fact << bit for bit, fact in enumerate(facts))
+    # A negative number of a lobe, too, is what is left of its bits.
     flags += lobe_number(material, lobes) << len(facts)
     return [
-        *material.albedo, material.reflectance,
-        material.roughness, index, material.collimation, float(flags),
+        *constant(material.albedo), material.reflectance,
+        roughness, index, material.collimation, float(flags),
     ]  # fmt: skip
+
+
+class Variation(Owner):
+    """What varies over surfaces beside emission and coverage, and what is not drawn of them.
+
+    Parameters
+    ----------
+    device : Device
+    objects : sequence of Object
+        One for each surface of `surface_key`.
+    numbers : mapping of hashable to int
+        Of the textures; see `SurfaceTextures`.
+
+    Attributes
+    ----------
+    samplers : dict of str to texture
+        `surface_variation`: for each surface the numbers of its textures of albedo, transmission
+        and roughness, or −1; the least coverage at which it is drawn; and whether it is culled.
+    macros : dict of str to int
+        What occurs in the scene. Without any, there is no texture.
+    """
+
+    def __init__(
+        self, device: Device, objects: Sequence[Object], numbers: Mapping[Hashable, int]
+    ) -> None:
+        super().__init__()
+        rows = [_variation_of(item.material, numbers) for item in objects]
+        names = [f"{slot.upper()}_TEXTURES" for slot in SLOTS[1:]]
+        present = dict(zip(names, (np.array(rows)[:, :3] >= 0).any(axis=0), strict=True))
+        present |= {
+            "CUTOFF": any(item.material.cutoff is not None for item in objects),
+            "CULLED": any(item.material.culled for item in objects),
+        }
+        self.macros = {name: 1 for name, occurs in present.items() if occurs}
+        if "ROUGHNESS_TEXTURES" in self.macros:
+            self.macros["GRADES"] = GRADES
+        self.samplers: dict[str, moderngl.Texture] = {}
+        if self.macros:
+            self.macros |= {"VARIED": 1, "MATERIALS_ACROSS": MATERIALS_ACROSS}
+            with self.building():
+                self.samplers["surface_variation"] = self.own(_table(device, rows))
+
+
+def _variation_of(material: Material, numbers: Mapping[Hashable, int]) -> list[float]:
+    images = images_of(material)
+    textures = [
+        float(numbers[image_key(images[slot])]) if slot in images else -1.0 for slot in SLOTS[1:]
+    ]
+    return [*textures, threshold_of(material), float(material.culled), 0.0, 0.0, 0.0]

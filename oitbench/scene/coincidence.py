@@ -71,7 +71,7 @@ def find_coincidence(
     starts = np.cumsum([0, *map(len, corners)])
     triangles = np.concatenate(corners) if corners else np.zeros((0, 3, 3))
     owners = np.repeat(np.arange(len(objects)), np.diff(starts))
-    clear = np.array([not item.material.opaque for item in objects], dtype=bool)
+    clear = np.array([not item.opaque for item in objects], dtype=bool)
     duals = _dual_points(triangles)
     kept = np.zeros(len(triangles), dtype=bool)
     pair = _declared(objects, duals, triangles, owners, kept)

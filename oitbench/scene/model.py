@@ -164,12 +164,12 @@ class Scene:
     @property
     def opaque(self) -> tuple[Object, ...]:
         """Objects through which no light passes, in submission order."""
-        return tuple(item for item in self.objects if item.material.opaque)
+        return tuple(item for item in self.objects if item.opaque)
 
     @property
     def transparent(self) -> tuple[Object, ...]:
         """Objects through which light passes, in submission order."""
-        return tuple(item for item in self.objects if not item.material.opaque)
+        return tuple(item for item in self.objects if not item.opaque)
 
     @property
     def environment(self) -> EnvironmentLight | None:
@@ -185,7 +185,7 @@ class Scene:
 def _requested_effects(scene: Scene) -> Effect:
     """Return the effects that the materials, lights and medium of `scene` request."""
     transparent = [item.material for item in scene.transparent]
-    colored = any(m.tints for m in transparent)
+    colored = any(item.tints for item in scene.transparent)
     lists, medium = scene.lists, scene.medium
     if lists is not None:
         colored = colored or bool((lists.transmission != lists.transmission[..., :1]).any())

@@ -8,6 +8,10 @@ From one level to the next, a side of n texels becomes one of ⌊n/2⌋, at leas
 mean of the old ones over the same area: of 2 × 2 texels if n is even. If n is odd, it is as wide as
 2 + 1/⌊n/2⌋ of them, which count by the part of them that it covers.
 
+Where a material has a cutoff, both α·P and α of a level are scaled so that the fraction of the
+texture whose α reaches the cutoff is that of the finest level: by means alone, leaves would become
+thinner or thicker at a distance.
+
 The lookup rule: let `dx` and `dy` be the derivatives of uv × size per sub-pixel, in texels. Then
 `lod = clamp(½·log2(max(dx·dx, dy·dy)), 0, levels − 1)`. The lookup is bilinear in the levels ⌊lod⌋
 and ⌊lod⌋ + 1, with texel centers at + ½, and linear between the two levels. Beyond [0, 1] a
@@ -34,17 +38,20 @@ class Images(NamedTuple):
     Parameters
     ----------
     color : Texture or None
-        Of emission.
+        Of a property of the surface.
     coverage : Texture or None
+    cutoff : float, optional
+        Of the coverage.
     """
 
     color: Texture | None
     coverage: Texture | None
+    cutoff: float | None = None
 
     @property
     def present(self) -> list[Texture]:
         """Those that are not None."""
-        return [one for one in self if one is not None]
+        return [one for one in (self.color, self.coverage) if one is not None]
 
     @property
     def wrap(self) -> tuple[Wrap, Wrap]:
@@ -62,34 +69,60 @@ class Images(NamedTuple):
         return found.pop()
 
 
-def images_of(material: Material) -> Images | None:
-    """Return the textures of a material, or None if it has none."""
-    emission, coverage = (
-        value if isinstance(value, Texture) else None
-        for value in (material.emission, material.coverage)
-    )
-    return None if emission is None and coverage is None else Images(emission, coverage)
+_MANY = 128
+"""Sides of more texels have the middles of enough of them."""
+SLOTS = ("emission", "albedo", "transmission", "roughness")
+"""Properties that are filtered together with coverage, each in a pyramid of its own. That of
+emission is there if only coverage has a texture, too."""
+
+
+def images_of(material: Material) -> dict[str, Images]:
+    """Return the textures of a material by slot."""
+    coverage = material.coverage if isinstance(material.coverage, Texture) else None
+    cutoff = None if coverage is None else material.cutoff
+    found = {}
+    for slot in SLOTS:
+        value = getattr(material, slot)
+        color = value if isinstance(value, Texture) else None
+        if color is not None or (slot == "emission" and coverage is not None):
+            found[slot] = Images(color, coverage, cutoff)
+    return found
+
+
+def constant(value: RGB | Texture) -> RGB:
+    """Return the factor of a material on a texture, or its value if it has none."""
+    return WHITE if isinstance(value, Texture) else value
 
 
 def constants_of(material: Material) -> tuple[RGB, float]:
     """Return the factors of a material on the emission and the coverage of its textures.
 
     A material of constant emission and coverage has no textures, and its factors are its values.
+    Where there is a cutoff, the second one is 1; see `threshold_of`.
     """
-    emission: RGB = WHITE if isinstance(material.emission, Texture) else material.emission
-    coverage = 1.0 if isinstance(material.coverage, Texture) else material.coverage
-    return emission, coverage
+    plain = material.cutoff is None and not isinstance(material.coverage, Texture)
+    coverage = material.coverage if plain else 1.0
+    assert not isinstance(coverage, Texture)
+    return constant(material.emission), coverage
+
+
+def threshold_of(material: Material) -> float:
+    """Return the least factor on a material's coverage at which it is drawn; 0 for no cutoff."""
+    if material.cutoff is None:
+        return 0.0
+    whole = 1.0 if isinstance(material.coverage, Texture) else material.coverage
+    return material.cutoff / whole if whole > 0 else np.inf
 
 
 def distinct_images(materials: Iterable[Material]) -> dict[Hashable, Images]:
     """Return the distinct textures of materials by `image_key`, in order of their first use."""
-    found = (images_of(material) for material in materials)
-    return {image_key(images): images for images in found if images is not None}
+    found = [images for material in materials for images in images_of(material).values()]
+    return {image_key(images): images for images in found}
 
 
 def image_key(images: Images) -> Hashable:
-    """Return a key under which equal pairs of textures compare equal: by identity."""
-    return tuple(map(id, images))
+    """Return a key under which equal textures compare equal: by identity."""
+    return id(images.color), id(images.coverage), images.cutoff
 
 
 def premultiplied_pyramid(images: Images) -> list[Array]:
@@ -107,9 +140,9 @@ def premultiplied_pyramid(images: Images) -> list[Array]:
     -------
     list of array, shape (h, w, 4), float32
         α·P (linear Rec.709) and α. The levels run from the finest down to 1 × 1; the first row of
-        each is the top (v = 1).
+        each is the top (v = 1). With a cutoff, α may exceed 1.
     """
-    color, coverage = images
+    color, coverage, cutoff = images
     wrap = images.wrap
     height, width = (max(one.texels.shape[axis] for one in images.present) for axis in (0, 1))
     image = np.ones((height, width, 4), dtype=np.float32)
@@ -122,7 +155,31 @@ def premultiplied_pyramid(images: Images) -> list[Array]:
     levels = [image]
     while levels[-1].shape[:2] != (1, 1):
         levels.append(_halved(levels[-1]))
+    if cutoff is not None:
+        shown = _fraction_above(levels[0][..., 3], cutoff, wrap)
+        levels[1:] = [_with_fraction(level, shown, cutoff, wrap) for level in levels[1:]]
     return levels
+
+
+def _fraction_above(coverage: Array, cutoff: float, wrap: tuple[Wrap, Wrap]) -> float:
+    return float((_sampled(coverage, wrap) >= cutoff).mean())
+
+
+def _with_fraction(image: Array, shown: float, cutoff: float, wrap: tuple[Wrap, Wrap]) -> Array:
+    """Scale a level so that about the fraction `shown` of its coverage reaches the cutoff."""
+    values, counts = np.unique(_sampled(image[..., 3], wrap), return_counts=True)
+    # The fraction that is left if values from the first, second, … on reach the cutoff, or none.
+    left = 1 - np.concatenate([[0], np.cumsum(counts)]) / counts.sum()
+    best = int(np.abs(left - shown).argmin())
+    limits = np.concatenate([values[:1] / 2, values, 2 * values[-1:]]).astype(np.float64)
+    border = (limits[best] + limits[best + 1]) / 2
+    return image if border <= 0 else (image * (cutoff / border)).astype(np.float32)
+
+
+def _sampled(coverage: Array, wrap: tuple[Wrap, Wrap]) -> Array:
+    """Return coverage as it is interpolated; the middles of many texels are enough."""
+    size = [side if side > _MANY else 4 * side for side in coverage.shape]
+    return _enlarged(coverage, (size[0], size[1]), wrap)
 
 
 def _enlarged(texels: Array, size: tuple[int, int], wrap: tuple[Wrap, Wrap]) -> Array:

@@ -10,7 +10,18 @@ import pytest
 from oitbench.gl.device import Device
 from oitbench.path_traced.matched.render import matched
 from oitbench.path_traced.trace.render import render as full
-from oitbench.scene import Camera, Floats, Material, Mesh, Object, Scene, Texture, Wrap
+from oitbench.scene import (
+    Camera,
+    DirectionalLight,
+    Floats,
+    Light,
+    Material,
+    Mesh,
+    Object,
+    Scene,
+    Texture,
+    Wrap,
+)
 from tests.helpers import render
 from tests.path_traced.agreement import needs_mitsuba
 
@@ -71,3 +82,53 @@ def test_textures_of_any_size_and_wrap(device: Device, wrap: tuple[Wrap, Wrap]) 
     )
     objects = [Object(str(k), sheet(-0.4 * k, turns=3), one) for k, one in enumerate(materials)]
     assert_agreement(device, Scene("s", CAMERA, tuple(objects), background=BACKGROUND))
+
+
+RANDOM = np.random.default_rng(7)
+SUN = (DirectionalLight((0.4, -0.5, -1.0), (2.0, 3.0, 2.5)),)
+BACK = sheet(-1.0, 0.0)
+VARIED: dict[str, tuple[Material, Mesh]] = {
+    "transmission": (Material(0.9, transmission=texture(7, 5, 3), albedo=(0.2, 0.3, 0.1)), sheet()),
+    "albedo": (Material(0.9, transmission=(0.9, 0.5, 0.7), albedo=texture(6, 9, 3)), sheet()),
+    "leaf": (
+        Material(texture(8, 8), (0.8, 0.9, 0.3), albedo=texture(4, 6, 3, seed=3)), sheet(),
+    ),
+    "vertices": (
+        Material(0.9, (0.9, 0.8, 0.7), (0.2, 0.1, 0.0), albedo=(0.8, 0.9, 0.5)),
+        sheet(
+            albedo=RANDOM.random((4, 3)), transmission=RANDOM.random((4, 3)),
+            coverage=RANDOM.random(4), radiance=RANDOM.random((4, 3)),
+        ),
+    ),
+    "vertices of an opaque material": (
+        Material(emission=(0.2, 0.1, 0.0), albedo=(0.8, 0.9, 0.5)),
+        sheet(coverage=[0.0, 0.5, 1.0, 1.0]),
+    ),
+    "cutoff": (Material(texture(8, 8), cutoff=0.5, emission=texture(8, 8, 3)), sheet()),
+    "cutoff of glass": (
+        Material(texture(8, 8), (0.5, 0.9, 0.8), albedo=(0.3, 0.1, 0.2), cutoff=0.4), sheet(),
+    ),
+    "cutoff of vertices": (
+        Material(0.8, emission=(0.2, 0.5, 0.0), albedo=(0.8, 0.9, 0.5), cutoff=0.5),
+        sheet(coverage=[0.0, 0.5, 1.0, 1.0]),
+    ),
+    "culled": (
+        Material(0.7, (0.5, 0.9, 0.8), (0.2, 0.1, 0.4), albedo=(0.3, 0.1, 0.2), culled=True),
+        Mesh.from_arrays(sheet().positions, [(0, 1, 2), (0, 3, 2)]),
+    ),
+    "culled and opaque": (
+        Material(emission=(0.2, 0.1, 0.4), culled=True),
+        Mesh.from_arrays(sheet().positions, [(0, 1, 2), (0, 3, 2)]),
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("lights", [(), SUN], ids=["glowing", "lit"])
+@pytest.mark.parametrize("kind", VARIED)
+def test_properties_that_vary(device: Device, kind: str, lights: tuple[Light, ...]) -> None:
+    material, mesh = VARIED[kind]
+    plain = Material(0.5, (0.5, 0.7, 0.9), (0.1, 0.0, 0.1), albedo=(0.3, 0.3, 0.3))
+    behind = Object("plain", BACK, plain, receives_shadows=False)
+    objects = (Object("varied", mesh, material), behind)
+    scene = Scene("s", CAMERA, objects, background=BACKGROUND, lights=lights)
+    assert_agreement(device, scene)
