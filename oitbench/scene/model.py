@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -79,6 +80,7 @@ class Scene:
     ambient_occlusion: float = 0.0
     meters_per_unit: float = 1.0
     full_samples: int = 0
+    views: Mapping[str, Camera] = field(default_factory=dict)
     effects: Effect = field(init=False)
 
     def __post_init__(self) -> None:

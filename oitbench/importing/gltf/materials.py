@@ -112,7 +112,7 @@ class Materials:
 
     def _solid(self, look: Look, inside: known.Volume, mesh: Mesh, name: str) -> Object:
         """Return a solid, which has one tint."""
-        material = replace(look.material, solid=True, culled=False)
+        material = look.material
         albedo, tint = look.base_albedo, look.base_transmission
         if mesh.albedo is not None or mesh.transmission is not None:
             mean = np.asarray(mesh.albedo).mean(axis=0)
@@ -124,7 +124,8 @@ class Materials:
         if inside.attenuation_distance is not None:
             passed = through_solid(inside.attenuation_color, inside.attenuation_distance, mesh)
             tint = color(np.multiply(tint, passed))
-        return Object(name, mesh, replace(material, albedo=albedo, transmission=tint))
+        solid = replace(material, albedo=albedo, transmission=tint, solid=True, culled=False)
+        return Object(name, mesh, solid)
 
 
 class _Reader:
