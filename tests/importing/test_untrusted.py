@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from oitbench.errors import SceneError, UsageError
-from oitbench.importing import read_scene
+from oitbench.importing import limits, read_scene
 from oitbench.importing.files import Folder
 from oitbench.importing.limits import Budget
 from oitbench.importing.pictures import read_picture
@@ -61,8 +61,6 @@ def test_data_that_is_no_base64_is_refused(folder: Folder) -> None:
 
 
 def test_the_limits_can_be_raised(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    from oitbench.importing import limits
-
     gltf = Gltf()
     gltf.triangle()
     gltf.triangle()
@@ -73,25 +71,21 @@ def test_the_limits_can_be_raised(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
 
 
 @pytest.mark.parametrize(
-    ("kind", "least"), [("bytes", 900), ("entries of JSON", 60), ("nodes", 1), ("vertices", 3)]
+    ("kind", "least"), [("bytes", 20), ("entries of JSON", 20), ("nodes", 0), ("vertices", 2)]
 )
 def test_every_limit_holds(
     kind: str, least: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from oitbench.importing import limits
-
     gltf = Gltf()
     gltf.triangle()
     monkeypatch.setitem(limits.LIMITS, kind, 10**6)
     gltf.read(tmp_path)
-    monkeypatch.setitem(limits.LIMITS, kind, least - 1 if kind in ("nodes", "vertices") else 20)
+    monkeypatch.setitem(limits.LIMITS, kind, least)
     with pytest.raises(SceneError, match=f"more than .* {kind}"):
         gltf.read(tmp_path)
 
 
 def test_instances_count_as_triangles(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    from oitbench.importing import limits
-
     monkeypatch.setitem(limits.LIMITS, "triangles", 10)
     gltf = Gltf()
     node = gltf.triangle()
@@ -132,8 +126,6 @@ def test_pictures_of_any_size_are_not_decoded(tmp_path: Path) -> None:
 def test_textures_that_are_computed_count_as_texels(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from oitbench.importing import limits
-
     monkeypatch.setitem(limits.LIMITS, "texels", 100)
     gltf = Gltf()
     image = gltf.picture([[[k, 0, 0] for k in range(20)]])
@@ -181,5 +173,5 @@ def test_names_of_a_file_cannot_break_a_line(tmp_path: Path) -> None:
 
 
 def test_unknown_formats_are_refused(tmp_path: Path) -> None:
-    with pytest.raises(UsageError, match="give one of .glb, .gltf, .obj, .ply"):
+    with pytest.raises(UsageError, match="give one of"):
         read_scene(tmp_path / "model.fbx")

@@ -19,6 +19,7 @@ from oitbench.importing.notes import Notes
 
 Part = TypeVar("Part")
 _MAGIC = b"glTF"
+_UNREADABLE = (msgspec.MsgspecError, RecursionError, UnicodeDecodeError)
 _JSON, _BINARY = 0x4E4F534A, 0x004E4942
 
 
@@ -51,8 +52,8 @@ class Document:
         try:
             # Some writers pad with zero bytes.
             self.gltf = msgspec.json.decode(text.rstrip(b"\0"), type=Gltf)
-        except (msgspec.MsgspecError, RecursionError) as error:
-            with suppress(msgspec.MsgspecError, RecursionError):
+        except _UNREADABLE as error:
+            with suppress(*_UNREADABLE):
                 # Another version is the better reason.
                 _check_version(msgspec.json.decode(text.rstrip(b"\0"), type=_Head).asset)
             raise SceneError(f"its JSON cannot be read: {error}") from error

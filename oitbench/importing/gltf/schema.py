@@ -44,7 +44,7 @@ class Extended(Struct, rename="camel", frozen=True, kw_only=True):
             return None
         try:
             return msgspec.json.decode(raw, type=kind)
-        except (msgspec.MsgspecError, RecursionError) as error:
+        except (msgspec.MsgspecError, RecursionError, UnicodeDecodeError) as error:
             raise SceneError(f"{name}: {error}") from error
 
 
