@@ -202,7 +202,7 @@ class Variation(Owner):
         super().__init__()
         rows = [_variation_of(item.material, numbers) for item in objects]
         names = [f"{slot.upper()}_TEXTURES" for slot in SLOTS[1:]]
-        present = dict(zip(names, (np.array(rows)[:, :3] >= 0).any(axis=0), strict=True))
+        present = {name: max(row[k] for row in rows) >= 0 for k, name in enumerate(names)}
         present |= {
             "CUTOFF": any(item.material.cutoff is not None for item in objects),
             "CULLED": any(item.material.culled for item in objects),

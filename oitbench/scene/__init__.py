@@ -9,6 +9,7 @@ module     holds
 ========== =================================================================
 model      `Scene`, and the effects that a scene requests
 objects    `Mesh`, `Object`, `FragmentLists`
+view_meshes `Sprites` and `Strands`: meshes that face the camera
 camera     `Camera`
 coincidence surfaces that lie in one plane
 material   `Material` and `Texture`: how surfaces cover, transmit and reflect
@@ -45,6 +46,7 @@ from oitbench.scene.vectors import (
     opposite,
     unit,
 )
+from oitbench.scene.view_meshes import Sprites, Strands, ViewMesh
 
 __all__ = [
     "BLACK",
@@ -65,8 +67,11 @@ __all__ = [
     "Object",
     "Scene",
     "SpotLight",
+    "Sprites",
+    "Strands",
     "Texture",
     "Vector",
+    "ViewMesh",
     "Wrap",
     "as_vector",
     "axes_along",

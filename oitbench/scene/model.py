@@ -16,6 +16,7 @@ from oitbench.scene.lights import DirectionalLight, EnvironmentLight, Light, Spo
 from oitbench.scene.medium import Medium
 from oitbench.scene.objects import FragmentLists, Object
 from oitbench.scene.vectors import BLACK, RGB, Vector
+from oitbench.scene.view_meshes import ViewMesh
 
 FAR = 100
 """Distance of the camera from the origin beside that to its target; see `Scene.near_origin`."""
@@ -117,6 +118,32 @@ class Scene:
             seen = bool(((self.lists.z > near) & (self.lists.z <= far)).all())
             require(seen, f"{owner}: z of its fragment lists must lie between {near} and {far}")
         object.__setattr__(self, "effects", _requested_effects(self))
+
+    @property
+    def by_pixel(self) -> bool:
+        """Whether its meshes depend on the height of the picture in pixels."""
+        found = [item.mesh for item in self.objects]
+        return any(isinstance(mesh, ViewMesh) and mesh.by_pixel for mesh in found)
+
+    def resolved(self, pixel_height: int) -> Scene:
+        """Return the scene with all meshes that depend on the view as its camera sees them.
+
+        Parameters
+        ----------
+        pixel_height : int
+            Height of the picture in pixels, sub-pixels included.
+        """
+        if not any(isinstance(item.mesh, ViewMesh) for item in self.objects):
+            return self
+        return replace(
+            self,
+            objects=tuple(
+                replace(item, mesh=item.mesh.for_view(self.camera, pixel_height))
+                if isinstance(item.mesh, ViewMesh)
+                else item
+                for item in self.objects
+            ),
+        )
 
     def in_meters(self) -> Scene:
         """Return the same scene with all lengths in meters."""

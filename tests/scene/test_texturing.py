@@ -15,6 +15,7 @@ from oitbench.scene.texturing import (
     level_of_detail,
     lookup,
     premultiplied_pyramid,
+    threshold_of,
 )
 
 
@@ -24,7 +25,7 @@ def _random(*shape: int) -> Texture:
 
 def test_a_plain_material_has_no_textures() -> None:
     plain = Material(0.5, emission=(1, 2, 3))
-    assert images_of(plain) is None
+    assert images_of(plain) == {}
     assert constants_of(plain) == ((1, 2, 3), 0.5)
 
 
@@ -51,8 +52,8 @@ def test_emission_is_premultiplied_before_it_is_filtered() -> None:
 def test_constants_are_factors_on_textures_of_one() -> None:
     coverage, emission = _random(2, 2), _random(2, 2, 3)
     tinted, faint = Material(coverage, emission=(1, 2, 3)), Material(0.25, emission=emission)
-    assert images_of(tinted) == (None, coverage)
-    assert images_of(faint) == (emission, None)
+    assert images_of(tinted) == {"emission": Images(None, coverage)}
+    assert images_of(faint) == {"emission": Images(emission, None)}
     assert constants_of(tinted) == ((1, 2, 3), 1.0)
     assert constants_of(faint) == ((1, 1, 1), 0.25)
     first = premultiplied_pyramid(Images(None, coverage))[0]
@@ -65,7 +66,7 @@ def test_constants_are_factors_on_textures_of_one() -> None:
 def test_materials_of_other_constants_share_a_pair_of_textures() -> None:
     coverage = _random(2, 2)
     materials = [Material(coverage, emission=(float(k), 0, 0)) for k in range(3)]
-    assert list(distinct_images(materials).values()) == [(None, coverage)]
+    assert list(distinct_images(materials).values()) == [Images(None, coverage)]
     assert len(distinct_images([*materials, Material(_random(2, 2)), Material()])) == 2
 
 
@@ -129,6 +130,69 @@ def test_the_first_texel_follows_the_last_one_where_a_texture_repeats() -> None:
     wrap = Wrap.REPEAT, Wrap.CLAMP
     found = lookup(pyramid, [(0.0, 0.5), (1.0, 0.5), (1 / 6, 0.5), (0.05, 0.5)], np.zeros(4), wrap)
     np.testing.assert_allclose(8 * found[:, 3], [5, 5, 2, 2 + 0.35 * 6])
+
+
+def test_each_property_has_a_pyramid_with_the_coverage() -> None:
+    coverage, albedo, roughness = _random(4, 4), _random(2, 3, 3), _random(5, 5)
+    leaf = Material(coverage, albedo=albedo, roughness=roughness, cutoff=0.5)
+    assert images_of(leaf) == {
+        "emission": Images(None, coverage, 0.5),
+        "albedo": Images(albedo, coverage, 0.5),
+        "roughness": Images(roughness, coverage, 0.5),
+    }
+    assert images_of(Material(albedo=albedo, cutoff=0.5)) == {"albedo": Images(albedo, None)}
+    assert len(distinct_images([leaf, Material(coverage, albedo=albedo, cutoff=0.5)])) == 3
+    assert len(distinct_images([leaf, Material(coverage, albedo=albedo)])) == 5
+
+
+def test_a_cutoff_compares_with_the_factor_on_coverage() -> None:
+    assert threshold_of(Material(_random(2, 2))) == 0
+    assert threshold_of(Material(_random(2, 2), cutoff=0.25)) == 0.25
+    assert threshold_of(Material(0.5, cutoff=0.25)) == 0.5
+    assert threshold_of(Material(0.0, cutoff=0.25)) == np.inf
+    assert constants_of(Material(0.5, cutoff=0.25)) == ((0, 0, 0), 1.0)
+
+
+def _leaves(size: tuple[int, int], wrap: Wrap) -> Texture:
+    """Return coverage of soft blobs, periodic."""
+    random = np.random.default_rng(9)
+    rows, columns = (np.arange(side) / side for side in size)
+    total = np.zeros(size)
+    for _ in range(12):
+        row, column, width = random.random(3)
+        down, across = (
+            np.abs((axis - middle + 0.5) % 1 - 0.5)
+            for axis, middle in ((rows, row), (columns, column))
+        )
+        total += np.exp(-(down[:, None] ** 2 + across**2) / (0.02 + 0.08 * width) ** 2)
+    return Texture(np.minimum(total, 1).astype(np.float32), (wrap, wrap))
+
+
+@pytest.mark.parametrize("wrap", [Wrap.CLAMP, Wrap.REPEAT])
+@pytest.mark.parametrize("cutoff", [0.1, 0.5, 0.9])
+def test_levels_keep_the_fraction_that_a_cutoff_leaves(cutoff: float, wrap: Wrap) -> None:
+    coverage = _leaves((96, 75), wrap)
+    emission = _random(96, 75, 3)
+    color = Texture(emission.texels, coverage.wrap)
+    places = np.random.default_rng(1).random((4000, 2))
+    kept, plain = (
+        premultiplied_pyramid(Images(color, coverage, limit)) for limit in (cutoff, None)
+    )
+    zero = np.zeros(len(places))
+    shown = [
+        [(lookup([level], places, zero, coverage.wrap)[:, 3] >= cutoff).mean() for level in pyramid]
+        for pyramid in (kept, plain)
+    ]
+    assert 0.02 < shown[0][0] < 0.98
+    # Levels down to 6 x 4 texels.
+    np.testing.assert_allclose(shown[0][:5], shown[0][0], atol=0.03)
+    assert abs(shown[1][4] - shown[1][0]) > 0.04
+    for one, other in zip(kept, plain, strict=True):
+        bright = one[..., 3] > 1e-3
+        np.testing.assert_allclose(
+            (one[..., :3] / one[..., 3:])[bright], (other[..., :3] / other[..., 3:])[bright],
+            rtol=1e-4,
+        )  # fmt: skip
 
 
 def test_level_of_detail_follows_the_longer_side_and_stays_inside() -> None:
