@@ -73,13 +73,14 @@ def moved(
     positions, normals : array, shape (n, 3)
     """
     linear = matrix[:3, :3]
-    placed = positions @ linear.T + matrix[:3, 3]
+    placed = np.einsum("ij,kj->ik", positions, linear) + matrix[:3, 3]
     mirrors = bool(np.linalg.det(linear) < 0)
     if normals is None:
         return placed, None, mirrors
     # Normals follow the matrix of cofactors, which a flattening transform has, too.
     cofactors = np.stack([np.cross(linear[(k + 1) % 3], linear[(k + 2) % 3]) for k in range(3)])
-    return placed, normals @ cofactors.T * (-1 if mirrors else 1), mirrors
+    turned = np.einsum("ij,kj->ik", normals, -cofactors if mirrors else cofactors)
+    return placed, turned, mirrors
 
 
 def unit_normals(normals: Floats, positions: Floats, triangles: Indices) -> Floats:
