@@ -21,7 +21,7 @@ NODES = 65
 """Rows of a table of means, from straight up to straight down."""
 INCIDENCES = 64
 """Nodes of the table of `lobe_fit`, from grazing to normal incidence."""
-GRADES = 16
+GRADES = 8
 """Steps of roughness between which a texture of roughness is interpolated."""
 _SAMPLES = 4096
 _STEPS = 0.7548776662466927, 0.5698402909980532
