@@ -13,7 +13,9 @@ to steps that are far above such differences and far below everything that a pic
 Numbers of one tuple or array that are below 10⁻⁴ of its largest are rounded like numbers of that
 size, because small ones may be nothing but rounding.
 
-Names of objects and of classes do not matter. Names of fields do, and so does every value.
+Names of objects and of classes do not matter, and neither do views other than the scene's camera.
+Names of fields do, and so does every value. A mesh that depends on the view is digested as it is
+described.
 """
 
 from __future__ import annotations
@@ -39,7 +41,9 @@ _ARRAY_DIGITS = 20
 _SMALL = 1e-4
 _PLACES = frozenset({"position", "target", "low", "high"})
 """Fields that hold a point in the world as a tuple."""
-_UNSEEN = ((Scene, "name"), (Scene, "full_samples"), (Object, "name"))
+_UNSEEN = (
+    (Scene, "name"), (Scene, "full_samples"), (Scene, "views"), (Scene, "path"), (Object, "name"),
+)  # fmt: skip
 _LATER = (
     (Texture, "wrap"), (Material, "cutoff"), (Material, "culled"),
     (Mesh, "albedo"), (Mesh, "transmission"), (Mesh, "coverage"),

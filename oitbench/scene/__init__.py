@@ -11,6 +11,7 @@ model      `Scene`, and the effects that a scene requests
 objects    `Mesh`, `Object`, `FragmentLists`
 view_meshes `Sprites` and `Strands`: meshes that face the camera
 camera     `Camera`
+paths      stereo pairs and moving cameras: `stereo`, `orbit`, `between`
 coincidence surfaces that lie in one plane
 material   `Material` and `Texture`: how surfaces cover, transmit and reflect
 lights     directional, spot and environment lights

@@ -158,8 +158,12 @@ def test_kinds_of_values_can_be_told_apart_by_their_fields() -> None:
         kind
         for name in descriptions.__all__
         if dataclasses.is_dataclass(kind := getattr(descriptions, name))
+        and kind is not descriptions.ViewMesh  # It has no value of its own.
     ]
-    fields = [tuple(sorted(field.name for field in dataclasses.fields(kind))) for kind in kinds]
+    fields = [
+        tuple(sorted(field.name for field in dataclasses.fields(kind) if field.init))
+        for kind in kinds
+    ]
     assert len(kinds) > 8
     assert len(set(fields)) == len(kinds)
 
