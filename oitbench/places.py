@@ -131,7 +131,7 @@ class Places:
         if not path.is_file():
             raise UsageError(f"{path}: there is no such file")
         name = printable(path.stem)
-        if not name.strip() or set(name) & set("[],="):
+        if not name.strip() or set(name) & set("[],=@"):
             raise UsageError(f"{path}: a scene cannot have the name '{name}'; rename the file")
         self.scenes.add(name, path.resolve())
         return name

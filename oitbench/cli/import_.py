@@ -72,7 +72,7 @@ def command(file: Path, out: Path, name: str | None, **options: Any) -> None:
         needed = {key: Path(os.fsdecode(p)) for key, p in catalog.inspect(choice).files.items()}
     title = name or stem
     module = out / "scenes" / f"{title}.py"
-    if Path(title).name != title or title.startswith(("_", ".")) or set(title) & set("[],=\\"):
+    if Path(title).name != title or title.startswith(("_", ".")) or set(title) & set("[],=@\\"):
         raise UsageError(f"a scene cannot have the name '{title}'; give another one by --name")
     if module.exists():
         raise UsageError(f"{module} exists; give another name by --name, or remove it")

@@ -11,6 +11,8 @@ LIMITS = {
     "bytes of text": 1 << 28,
     "entries of JSON": 3_000_000,
     "nodes": 200_000,
+    "cameras": 256,
+    "lights": 64,
     "vertices": 12_000_000,
     "triangles": 4_000_000,
     "texels": 128_000_000,

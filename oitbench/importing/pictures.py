@@ -5,12 +5,12 @@ from __future__ import annotations
 import io
 import struct
 import warnings
-from functools import cache
 
 import numpy as np
 import numpy.typing as npt
 
 from oitbench.errors import SceneError
+from oitbench.image.pictures import from_srgb
 from oitbench.importing.limits import Budget, short
 from oitbench.scene import Array
 
@@ -57,17 +57,9 @@ def read_picture(content: bytes | memoryview, name: str, budget: Budget) -> Byte
         raise SceneError(f"picture '{short(name)}' cannot be read: {message}") from error
 
 
-@cache
-def _decoding() -> Array:
-    """Return the linear value of each of the 256 values of sRGB."""
-    encoded = np.arange(256) / 255
-    linear = np.where(encoded <= 0.04045, encoded / 12.92, ((encoded + 0.055) / 1.055) ** 2.4)
-    return np.asarray(linear, dtype=np.float32)
-
-
 def linear(encoded: Bytes) -> Array:
     """Return values of sRGB in [0, 255] as linear ones in [0, 1]."""
-    return np.asarray(_decoding()[encoded])
+    return np.asarray(from_srgb(np.arange(256) / 255)[encoded])
 
 
 def fractions(values: Bytes) -> Array:

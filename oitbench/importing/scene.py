@@ -14,6 +14,7 @@ from oitbench.errors import SceneError, UsageError
 from oitbench.importing import framing
 from oitbench.importing.content import Content
 from oitbench.importing.files import Folder
+from oitbench.importing.gltf.beams import FRAME
 from oitbench.importing.gltf.read import read_gltf
 from oitbench.importing.limits import Budget
 from oitbench.importing.notes import Notes
@@ -160,7 +161,7 @@ def _complete(
         tuple(objects),
         lights=(*beams, *around),
         exposure=stops + exposure,
-        views=views if camera is None else {**views, "frame": framing.frame(low, high)},
+        views=views if camera is None else {**views, FRAME: framing.frame(low, high)},
     )
 
 

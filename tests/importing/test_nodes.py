@@ -123,14 +123,31 @@ def test_cameras_become_views(tmp_path: Path) -> None:
         "orthographic": {"xmag": 3, "ymag": 2, "znear": 0.1, "zfar": 9},
     }
     camera(gltf, parallel, name="main", translation=[4, 0, 0], rotation=[0, HALF, 0, HALF])
+    camera(gltf, lens, name="3D ", translation=[0, 0, 9])
     scene = gltf.read(tmp_path).scene
-    assert list(scene.views) == ["front", "main 2", "frame"]
+    assert list(scene.views) == ["front", "main_2", "camera_3d", "frame"]
     assert scene.camera is scene.views["front"]
     assert (scene.camera.fov_y, scene.camera.near, scene.camera.far) == (0.5, 0.2, math.inf)
     np.testing.assert_allclose(scene.camera.target, (0.5, 0.5, 0))
-    side = scene.views["main 2"]
+    side = scene.views["main_2"]
     assert side.height == 4
     np.testing.assert_allclose(side.axes, [[0, 0, -1], [0, 1, 0], [1, 0, 0]], atol=1e-12)
+
+
+def test_many_cameras_and_lights_are_refused(tmp_path: Path) -> None:
+    lens = {"type": "perspective", "perspective": {"yfov": 0.5, "znear": 0.2}}
+    gltf = Gltf()
+    gltf.triangle()
+    for _ in range(257):
+        camera(gltf, lens, name="same")
+    with pytest.raises(SceneError, match="more than 256 cameras"):
+        gltf.read(tmp_path)
+    gltf = Gltf()
+    gltf.triangle()
+    for _ in range(65):
+        lit(gltf, {"type": "point"})
+    with pytest.raises(SceneError, match="more than 64 lights"):
+        gltf.read(tmp_path)
 
 
 def lit(gltf: Gltf, light: dict[str, Any], **place: Any) -> None:

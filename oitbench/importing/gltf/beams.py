@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import itertools
 import math
+import re
+from collections.abc import Iterable
 
 import numpy as np
 
 from oitbench.errors import SceneError
-from oitbench.importing.content import Content, Names, PointLight
+from oitbench.importing.content import Content, PointLight
 from oitbench.importing.gltf.document import Document
 from oitbench.importing.gltf.extensions import LIGHTS, LightOfNode, PunctualLight, PunctualLights
 from oitbench.importing.gltf.schema import Camera as Described
@@ -22,9 +25,11 @@ from oitbench.scene import (
     as_vector,
     unit,
 )
+from oitbench.views import EYES, MAIN, is_name
 
-RESERVED = ("main", "left", "right", "frame")
-"""Names of views that are not those of cameras in a file."""
+FRAME = "frame"
+"""Name of the view that shows everything, in scenes whose file has cameras."""
+_LONGEST = 40
 _LEAST_NEAR = 1e-6
 _LEAST_ANGLE = 0.02
 
@@ -34,9 +39,19 @@ def add_camera(document: Document, content: Content, node: Node, matrix: Floats)
     if node.camera is None:
         return
     described = document.part("camera", document.gltf.cameras, node.camera)
-    name = Names((*content.cameras, *RESERVED)).free(described.name or node.name or "camera")
+    document.budget.take("cameras", 1)
+    name = _view_name(described.name or node.name, content.cameras)
     position, ahead, up = _pose(matrix, f"camera {name}")
     content.cameras[name] = _camera(described, name, position, ahead, up)
+
+
+def _view_name(text: str, taken: Iterable[str]) -> str:
+    """Return a free name of a view: small letters, digits and underscores."""
+    plain = re.sub(r"[^a-z0-9]+", "_", text[:_LONGEST].lower()).strip("_")
+    plain = plain if is_name(plain) else f"camera_{plain}".rstrip("_")
+    names = {*taken, FRAME, MAIN, *EYES}
+    numbers = (f"{plain}_{number}" for number in itertools.count(2))
+    return plain if plain not in names else next(name for name in numbers if name not in names)
 
 
 def _camera(described: Described, name: str, position: Vector, ahead: Floats, up: Vector) -> Camera:
@@ -67,6 +82,7 @@ def add_light(document: Document, content: Content, node: Node, matrix: Floats) 
     strength = red, green, blue
     if not any(strength):
         return
+    document.budget.take("lights", 1)
     name = light.name or node.name or f"light {used.light}"
     position, ahead, _ = _pose(matrix, f"light {name}")
     if light.range is not None:

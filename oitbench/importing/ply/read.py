@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from oitbench.errors import SceneError
+from oitbench.image.pictures import from_srgb
 from oitbench.importing import polygons, shapes
 from oitbench.importing.content import Content
 from oitbench.importing.files import Folder
@@ -114,7 +115,7 @@ def _linear(
     encoded = np.stack([_fraction(vertices[name], kinds[name]) for name in names], axis=1)
     if kinds[names[0]].kind == "f":
         return encoded
-    return np.where(encoded <= 0.04045, encoded / 12.92, ((encoded + 0.055) / 1.055) ** 2.4)
+    return np.asarray(from_srgb(encoded), dtype=np.float64)
 
 
 def _fraction(values: Floats, kind: np.dtype[np.generic]) -> Floats:
