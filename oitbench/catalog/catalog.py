@@ -180,9 +180,11 @@ class Catalog:
             name = self.places.find_scene(parsed.name)
             for choice in self._expand("scene", Selector(name, parsed.grid)):
                 chosen[choice.label] = choice
-        return [self._inspected(choice) for choice in chosen.values()]
+        noted: set[tuple[str, str]] = set()
+        return [self._inspected(choice, noted) for choice in chosen.values()]
 
-    def _inspected(self, choice: Choice) -> Choice:
+    def _inspected(self, choice: Choice, noted: set[tuple[str, str]]) -> Choice:
+        """Return a choice with the reason why it cannot be used; log what is not `noted` yet."""
         path = self.path("scene", choice.name)
         if choice.error or path.suffix.lower() not in IMPORTED:
             return choice
@@ -191,7 +193,9 @@ class Catalog:
         except OitbenchError as error:
             return replace(choice, error=f"{path}: {error}")
         for note in found.notes:
-            _LOG.warning("%s: %s", choice.name, note)
+            if (choice.name, note) not in noted:
+                noted.add((choice.name, note))
+                _LOG.warning("%s: %s", choice.name, note)
         return choice
 
     def check_files(self, texts: Iterable[str]) -> tuple[Path, ...]:

@@ -125,6 +125,11 @@ class Gltf:
         return item
 
 
+def close(found: Any, expected: Any, atol: float = 1e-6) -> None:
+    """Assert that two arrays, or what holds one, are equal within rounding."""
+    np.testing.assert_allclose(found, expected, rtol=1e-6, atol=atol)
+
+
 def write(folder: Path, name: str, text: str) -> Path:
     path = folder / name
     path.write_text(text, encoding="utf-8")

@@ -7,6 +7,7 @@ import random
 import re
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -15,8 +16,10 @@ from tests.importing.test_polygons import ply
 
 _SPECIAL = (b"\0", b"\xff", b"\x7f", b"\x80", b"-1", b"0", b"1e999", b"nan", b"99999999999", b"/",
             b"..", b"[", b"{", b"null", b'"', b"\n", b" ")  # fmt: skip
-_VALUES = (-1, 0, 1, 2, 7, 255, 65536, 2**31, 2**32, 2**40, 2**63, 1e30, -1e30, 0.5, "x", "", None,
-           True, [], {}, [0], [[]], "../x", "data:,", "http://x.org/y")  # fmt: skip
+_VALUES: tuple[Any, ...] = (
+    -1, 0, 1, 2, 7, 255, 65536, 2**31, 2**32, 2**40, 2**63, 1e30, -1e30, 0.5, "x", "", None, True,
+    [], {}, [0], [[]], "../x", "data:,", "http://x.org/y",
+)  # fmt: skip
 
 
 def rich_gltf() -> Gltf:
@@ -25,7 +28,7 @@ def rich_gltf() -> Gltf:
     corners, triangles = cube()
     image = gltf.picture([[[255, 0, 0, 255], [0, 255, 0, 128]], [[1, 2, 3, 4], [9, 9, 9, 0]]])
     texture = {"index": image, "extensions": {"KHR_texture_transform": {"scale": [2, 2]}}}
-    glass = {
+    glass: dict[str, Any] = {
         "pbrMetallicRoughness": {"roughnessFactor": 0.2, "metallicFactor": 0},
         "extensions": {
             "KHR_materials_transmission": {"transmissionFactor": 0.9},
@@ -34,12 +37,15 @@ def rich_gltf() -> Gltf:
             "KHR_materials_specular": {"specularFactor": 0.5},
         },
     }
-    leaf = {
+    leaf: dict[str, Any] = {
         "pbrMetallicRoughness": {"baseColorTexture": texture, "baseColorFactor": [1, 1, 1, 0.5]},
         "alphaMode": "MASK", "alphaCutoff": 0.3, "emissiveFactor": [1, 1, 1],
         "extensions": {"KHR_materials_emissive_strength": {"emissiveStrength": 2}},
     }  # fmt: skip
-    blend = {"alphaMode": "BLEND", "pbrMetallicRoughness": {"baseColorFactor": [1, 0, 0, 0.5]}}
+    blend: dict[str, Any] = {
+        "alphaMode": "BLEND",
+        "pbrMetallicRoughness": {"baseColorFactor": [1, 0, 0, 0.5]},
+    }
     indices = gltf.array(triangles.ravel(), "uint16")
     uvs = gltf.array(corners[:, :2])
     colors = gltf.array(np.full((8, 4), 200), "uint8", normalized=True)
@@ -145,9 +151,9 @@ def _mutated_document(kind: str, random_: random.Random) -> dict[str, bytes]:
     return {"model.gltf": json.dumps(document).encode(), "b.bin": gltf.content}
 
 
-def _places(value: object) -> Iterator[tuple[object, object]]:
+def _places(value: Any) -> Iterator[tuple[Any, Any]]:
     """Yield each member of a document with its owner."""
-    items = value.items() if isinstance(value, dict) else enumerate(value)  # type: ignore[call-overload]
+    items = value.items() if isinstance(value, dict) else enumerate(value)
     for key, item in items:
         yield value, key
         if isinstance(item, dict | list):

@@ -10,8 +10,9 @@ import numpy as np
 import pytest
 
 from oitbench.errors import SceneError
+from oitbench.scene import DirectionalLight, SpotLight
 from tests import meshes
-from tests.importing.files import Gltf, cube
+from tests.importing.files import Gltf, close, cube
 
 HALF = math.sqrt(0.5)
 
@@ -26,7 +27,7 @@ def test_transforms_of_nodes_are_combined(tmp_path: Path) -> None:
     matrix = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 5, 1]
     gltf.add("nodes", {"children": [child], "matrix": matrix})
     positions = gltf.one(tmp_path).mesh.positions
-    np.testing.assert_allclose(positions, [[10, 0, 5], [10, 0, 3], [10, 3, 5]], atol=1e-6)
+    close(positions, [[10, 0, 5], [10, 0, 3], [10, 3, 5]], atol=1e-6)
 
 
 def test_a_mirroring_transform_keeps_the_front(tmp_path: Path) -> None:
@@ -50,7 +51,7 @@ def test_normals_follow_a_stretched_surface(tmp_path: Path) -> None:
     gltf.add("nodes", {"mesh": mesh, "scale": [1, 3, 1]})
     expected = np.array([3, -1, 0]) / math.sqrt(10)
     found = gltf.one(tmp_path).mesh.normals
-    np.testing.assert_allclose(found, np.tile(expected, (3, 1)), atol=1e-6)
+    close(found, np.tile(expected, (3, 1)), atol=1e-6)
 
 
 def test_missing_normals_are_flat_and_broken_ones_are_replaced(tmp_path: Path) -> None:
@@ -59,7 +60,7 @@ def test_missing_normals_are_flat_and_broken_ones_are_replaced(tmp_path: Path) -
     assert gltf.one(tmp_path).mesh.normals is None
     gltf = Gltf()
     gltf.triangle(NORMAL=gltf.array([[0, 0, 0], [0, 2, 0], [0, 0, 1]]))
-    np.testing.assert_allclose(gltf.one(tmp_path).mesh.normals, [[0, 0, 1], [0, 1, 0], [0, 0, 1]])
+    close(gltf.one(tmp_path).mesh.normals, [[0, 0, 1], [0, 1, 0], [0, 0, 1]])
 
 
 def test_instances_are_one_object(tmp_path: Path) -> None:
@@ -74,7 +75,7 @@ def test_instances_are_one_object(tmp_path: Path) -> None:
     gltf.document["nodes"][node] |= {"extensions": extension, "translation": [0, 0, 1]}
     mesh = gltf.one(tmp_path).mesh
     expected = [[0, 0, 1], [1, 0, 1], [0, 1, 1], [5, 0, 1], [3, 0, 1], [5, -2, 1]]
-    np.testing.assert_allclose(mesh.positions, expected, atol=1e-6)
+    close(mesh.positions, expected, atol=1e-6)
     np.testing.assert_array_equal(mesh.triangles, [[0, 1, 2], [3, 4, 5]])
 
 
@@ -128,10 +129,10 @@ def test_cameras_become_views(tmp_path: Path) -> None:
     assert list(scene.views) == ["front", "main_2", "camera_3d", "frame"]
     assert scene.camera is scene.views["front"]
     assert (scene.camera.fov_y, scene.camera.near, scene.camera.far) == (0.5, 0.2, math.inf)
-    np.testing.assert_allclose(scene.camera.target, (0.5, 0.5, 0))
+    close(scene.camera.target, (0.5, 0.5, 0))
     side = scene.views["main_2"]
     assert side.height == 4
-    np.testing.assert_allclose(side.axes, [[0, 0, -1], [0, 1, 0], [1, 0, 0]], atol=1e-12)
+    close(side.axes, [[0, 0, -1], [0, 1, 0], [1, 0, 0]], atol=1e-12)
 
 
 def test_many_cameras_and_lights_are_refused(tmp_path: Path) -> None:
@@ -165,6 +166,8 @@ def test_lights_of_a_file(tmp_path: Path) -> None:
     lit(gltf, {"type": "spot", "intensity": 7, "spot": spot}, translation=[0, 0, 4])
     found = gltf.read(tmp_path, light="auto")
     sun, lamp = found.scene.beams
+    assert isinstance(sun, DirectionalLight)
+    assert isinstance(lamp, SpotLight)
     assert (sun.direction, sun.irradiance) == ((0, 0, -1), (3, 1.5, 0))
     assert (lamp.position, lamp.target, lamp.intensity) == ((0, 0, 4), (0, 0, 3), (7, 7, 7))
     assert lamp.angle == pytest.approx(0.6)
@@ -179,6 +182,7 @@ def test_a_light_to_all_sides_reaches_all_of_the_scene(tmp_path: Path) -> None:
     gltf.triangle()
     lit(gltf, {"type": "point", "intensity": 40}, translation=[0.5, 0.5, 6])
     (lamp,) = gltf.read(tmp_path, light="file").scene.beams
+    assert isinstance(lamp, SpotLight)
     toward = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0]]) - lamp.position
     axis = np.subtract(lamp.target, lamp.position)
     cosines = toward @ axis / np.linalg.norm(toward, axis=1) / np.linalg.norm(axis)

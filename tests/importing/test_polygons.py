@@ -12,7 +12,7 @@ from oitbench.errors import SceneError
 from oitbench.importing import Imported, read_scene
 from oitbench.scene import BLACK, Floats, Object, Texture, Wrap
 from tests import meshes
-from tests.importing.files import CUBE_QUADS, SIMPLE, cube, png, write
+from tests.importing.files import CUBE_QUADS, SIMPLE, close, cube, png, write
 
 SQUARE = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n"
 
@@ -95,7 +95,7 @@ def test_normals_coordinates_and_colors(tmp_path: Path) -> None:
     np.testing.assert_array_equal(item.mesh.uvs, [[0, 0], [2, 0], [0, 1]])
     albedo = item.material.albedo
     assert isinstance(albedo, Texture)
-    np.testing.assert_allclose(albedo.texels, [[[0.5, 0, 0], [0, 0, 0]]])
+    close(albedo.texels, [[[0.5, 0, 0], [0, 0, 0]]])
     assert albedo.wrap == (Wrap.CLAMP, Wrap.CLAMP)
     assert sorted(imported.files) == ["a b.mtl", "the map.png"]
 
@@ -105,7 +105,7 @@ def test_smoothing_groups(tmp_path: Path) -> None:
     smooth = one(tmp_path, fold + "s 1\nf 1 2 3\nf 1 4 2\n").mesh
     assert len(smooth.positions) == 4
     assert smooth.normals is not None
-    np.testing.assert_allclose(smooth.normals[0], [0, 0.5**0.5, 0.5**0.5], atol=1e-6)
+    close(smooth.normals[0], [0, 0.5**0.5, 0.5**0.5], atol=1e-6)
     mixed = one(tmp_path, fold + "s 1\nf 1 2 3\ns off\nf 1 4 2\n").mesh
     assert (meshes.agreement(mixed) > 0.999).all()
 
@@ -154,7 +154,7 @@ def test_alpha_maps_of_wavefront(tmp_path: Path) -> None:
     for name, expected in (("gray", [[0, 1]]), ("alpha", [[1, 0.2]])):
         coverage = surface(tmp_path, f"map_d {name}.png").material.coverage
         assert isinstance(coverage, Texture)
-        np.testing.assert_allclose(coverage.texels, expected)
+        close(coverage.texels, expected)
 
 
 def test_missing_materials_and_pictures_are_noted(tmp_path: Path) -> None:
@@ -209,8 +209,8 @@ def test_polygon_files(order: str, faces: list[list[int]], tmp_path: Path) -> No
     assert area(item) == pytest.approx(1 if len(faces[0]) == 3 else 1.5)
     np.testing.assert_array_equal(item.mesh.positions, CORNERS)
     expected: Floats = np.array([[1, 0, 0], [0, 0.503, 0], [0, 0, 1], [0, 0, 0]])
-    np.testing.assert_allclose(item.mesh.albedo, expected, atol=1e-3)
-    np.testing.assert_allclose(item.mesh.coverage, [1, 0.2, 0, 1])
+    close(item.mesh.albedo, expected, atol=1e-3)
+    close(item.mesh.coverage, [1, 0.2, 0, 1])
 
 
 def test_polygon_files_with_z_up(tmp_path: Path) -> None:
