@@ -79,7 +79,7 @@ def test_a_file_is_a_scene_from_a_run_to_its_report(
     assert caplog.messages == ["two cubes: normal maps are ignored (red)"]
     records = [json.loads(line) for line in (out / "cells.jsonl").read_text().splitlines()]
     assert {record["scene"] for record in records} == {"two cubes[light=none]"}
-    assert "refraction" in str(records[0])
+    assert "REFRACTION" in records[-1]["outcome"]["effects"]["requested"]
     # The same file keeps its cells; another content gives new ones.
     assert "1 kept" in call(*arguments).out
     content = model.read_bytes()
