@@ -18,6 +18,7 @@ from oitbench.scene import (
     DirectionalLight,
     EnvironmentLight,
     Floats,
+    Light,
     Material,
     Object,
     SpotLight,
@@ -134,19 +135,21 @@ def spots(points: Sequence[PointLight], low: Floats, high: Floats, notes: Notes)
     return found
 
 
-def stops_for(lights: Sequence[object], low: Floats, high: Floats) -> float:
+def stops_for(lights: Sequence[Light], low: Floats, high: Floats, unit: float) -> float:
     """Return an exposure that suits the brightest light of a file, in whole stops.
 
     Files state lux and candela, of which a display can show neither. A white surface in the middle
     that faces the light then has a radiance from 0.5 to 1; nothing changes within a factor of 8.
+    `unit` is the length of the scene's unit in meters.
     """
-    middle, size = (low + high) / 2, float(np.linalg.norm(high - low))
+    middle, size = (low + high) / 2, float(np.linalg.norm(high - low)) * unit
     brightest = 0.0
     for light in lights:
         if isinstance(light, DirectionalLight):
             brightest = max(brightest, *light.irradiance)
         elif isinstance(light, SpotLight):
-            away = max(float(np.linalg.norm(middle - np.asarray(light.position))), 0.25 * size)
+            apart = unit * float(np.linalg.norm(middle - np.asarray(light.position)))
+            away = max(apart, 0.25 * size)
             brightest = max(brightest, *(part / away**2 for part in light.intensity))
     white = brightest / math.pi
     if white <= 0 or 1 / 8 <= white <= 8:

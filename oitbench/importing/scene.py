@@ -128,16 +128,16 @@ def read_scene(
         if up == "z":
             content = _turned(content)
         scene = _complete(
-            path, content, name or path.stem, notes, light, environment, ground, exposure
+            path, content, name or path.stem, notes, light, environment, ground, exposure, unit
         )
     except (MemoryError, OverflowError) as error:
         raise SceneError("it needs more memory than there is") from error
-    return Imported(replace(scene, meters_per_unit=unit), notes.lines, folder.read_files)
+    return Imported(scene, notes.lines, folder.read_files)
 
 
 def _complete(
     file: Path, content: Content, name: str, notes: Notes, light: str, environment: str,
-    ground: str, exposure: float,
+    ground: str, exposure: float, unit: float,
 ) -> Scene:  # fmt: skip
     low, high = content.bounds
     beams: list[Light] = [*content.lights, *framing.spots(content.points, low, high, notes)]
@@ -145,7 +145,7 @@ def _complete(
         beams = []
     elif light == "sun" or (light == AUTO and not beams and environment in (AUTO, NONE)):
         beams = [framing.sun()]
-    stops = framing.stops_for(beams, low, high)
+    stops = framing.stops_for(beams, low, high, unit)
     if stops:
         notes.add(f"the lights of the file suit an exposure of {stops:+g} stops")
     around = _environment(file, environment, stops)
@@ -161,6 +161,7 @@ def _complete(
         tuple(objects),
         lights=(*beams, *around),
         exposure=stops + exposure,
+        meters_per_unit=unit,
         views=views if camera is None else {**views, FRAME: framing.frame(low, high)},
     )
 

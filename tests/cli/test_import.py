@@ -137,7 +137,8 @@ def test_a_file_is_kept_as_a_scene_of_a_collection(
     path = write(folder, "card.obj", f"{square}mtllib m.mtl\nusemtl a\nf 1/1 2/2 3/3\nl 1 2\n")
     sky = folder / "sky.exr"
     write_exr(sky, np.ones((2, 4, 3), dtype=np.float32))
-    answer = call("import", path, "-o", mine, "--environment", sky, "--ground", "no", "--light", "none")
+    options = ("--environment", sky, "--ground", "no", "--light", "none")
+    answer = call("import", path, "-o", mine, *options)
     assert answer.code == 0, answer
     assert "points and lines are left out" in caplog.text
     scenes = mine / "scenes"
