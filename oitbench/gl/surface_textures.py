@@ -128,7 +128,7 @@ class SurfaceTextures(Owner):
         context = device.context
         with self.building():
             size = pages.across, pages.up, pages.layers
-            array = self.own(context.texture_array(size, 4, stored.tobytes(), dtype="f4"))
+            array = self.own(context.texture_array(size, 4, stored, dtype="f4"))
             shape = across, len(table) // across
             levels = self.own(context.texture(shape, 4, table.tobytes(), dtype="i4"))
             for texture in (array, levels):

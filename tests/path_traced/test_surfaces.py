@@ -192,7 +192,9 @@ def test_occlusion(device: Device, kind: str) -> None:
 def test_photons_pass_the_back_of_a_culled_surface() -> None:
     glass = Material(transmission=(0.9, 0.9, 0.9), solid=True, index=1.5)
     ball = Object("ball", sphere((0.2, 0.8, 0.0), 0.4, 24, 12), glass)
-    front, back = (card(Material(albedo=GREEN, culled=True), 0.0, down=down) for down in (0, 1))
+    front, back = (
+        card(Material(albedo=GREEN, culled=True), 0.0, down=down) for down in (False, True)
+    )
     scenes = [
         Scene("s", HIGH, (FLOOR, ball, *more), lights=NOON) for more in ((), (back,), (front,))
     ]
@@ -201,6 +203,14 @@ def test_photons_pass_the_back_of_a_culled_surface() -> None:
     assert np.abs(bare - without).max() > 0.1
     np.testing.assert_allclose(behind, bare, atol=1e-5)
     assert np.abs(before - bare).max() > 0.5
+    # From below, its front is not lit through its back.
+    low = Camera((0.2, -2.0, 0.2), target=(0.2, 0.0, 0.0), up=(0.0, 0.0, 1.0))
+    both = card(Material(albedo=GREEN), 0.0, down=True)
+    dark, lit = (
+        matched(Scene("s", low, (ball, one), lights=NOON), SIZE, 1) for one in (back, both)
+    )
+    assert dark.max() == 0
+    assert lit.max() > 0.1
 
 
 SKY = np.full((25, 50, 3), 0.2, dtype=np.float32)
