@@ -13,6 +13,7 @@ LIMITS = {
     "nodes": 200_000,
     "cameras": 256,
     "lights": 64,
+    "numbers of arrays": 100_000_000,
     "vertices": 12_000_000,
     "triangles": 4_000_000,
     "texels": 128_000_000,

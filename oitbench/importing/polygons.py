@@ -5,11 +5,13 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
+from oitbench.errors import SceneError
 from oitbench.importing.limits import Budget
 from oitbench.importing.notes import Notes
 from oitbench.importing.shapes import Indices, checked, sound
 from oitbench.scene import Floats
 
+MOST_CORNERS = 1000
 _MOST_STEPS = 2_000_000
 """Tests of a corner against a triangle that cutting polygons may take in one file."""
 
@@ -32,6 +34,8 @@ def triangles(positions: Floats, polygons: Indices, budget: Budget, notes: Notes
 def split(positions: Floats, polygons: Indices, notes: Notes) -> Indices:
     """Return the corners of the triangles of each polygon, shape (m, corners − 2, 3)."""
     count = polygons.shape[1]
+    if count > MOST_CORNERS:
+        raise SceneError(f"a polygon has {count} corners; split those above {MOST_CORNERS}")
     first = np.arange(1, count - 1)
     fan = np.stack([np.zeros_like(first), first, first + 1], axis=1)
     found = np.broadcast_to(fan, (len(polygons), *fan.shape))

@@ -54,6 +54,10 @@ def sound(positions: Floats, triangles: Indices) -> npt.NDArray[np.bool_]:
 
 def compact(positions: Floats, triangles: Indices) -> tuple[Indices, Indices]:
     """Return the vertices that triangles use, in order, and the triangles of their numbers."""
+    if len(triangles) < len(positions) // 16:
+        # Many primitives may each use a small part of the same vertices.
+        vertices, numbers = np.unique(triangles, return_inverse=True)
+        return vertices, numbers.reshape(triangles.shape)
     used = np.zeros(len(positions), dtype=bool)
     used[triangles] = True
     if used.all():

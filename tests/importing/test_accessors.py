@@ -137,7 +137,7 @@ def damaged(change: Any) -> Gltf:
     ("change", "message"),
     [
         (lambda d: d["accessors"][0].update(count=9), "accessor 0 ends at byte 108 of 96"),
-        (lambda d: d["accessors"][0].update(count=10**11), "more than 12,000,000 vertices"),
+        (lambda d: d["accessors"][0].update(count=10**11), "more than 100,000,000 numbers"),
         (lambda d: d["accessors"][0].update(byteOffset=4), "ends at byte 100 of 96"),
         (lambda d: d["accessors"][0].update(bufferView=7), "buffer view 7 is used, but"),
         (lambda d: d["accessors"][0].update(type="VEC2"), "the attribute needs another type"),

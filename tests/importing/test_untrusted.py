@@ -71,7 +71,14 @@ def test_the_limits_can_be_raised(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
 
 
 @pytest.mark.parametrize(
-    ("kind", "least"), [("bytes", 20), ("entries of JSON", 20), ("nodes", 0), ("vertices", 2)]
+    ("kind", "least"),
+    [
+        ("bytes", 20),
+        ("entries of JSON", 20),
+        ("nodes", 0),
+        ("vertices", 2),
+        ("numbers of arrays", 8),
+    ],
 )
 def test_every_limit_holds(
     kind: str, least: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch

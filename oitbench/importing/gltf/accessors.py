@@ -35,9 +35,17 @@ def read_vectors(document: Document, index: int, *widths: int) -> Floats:
     SceneError
         The accessor is out of bounds, has another width, or holds NaN or infinity.
     """
+    if index not in document.vectors:
+        document.vectors[index] = _read_vectors(document, index)
+    values = document.vectors[index]
+    if values.shape[1] not in widths:
+        kind = document.gltf.accessors[index].type
+        raise SceneError(f"accessor {index} is {kind}; the attribute needs another type")
+    return values
+
+
+def _read_vectors(document: Document, index: int) -> Floats:
     accessor, array = _read(document, index)
-    if array.shape[1] not in widths:
-        raise SceneError(f"accessor {index} is {accessor.type}; the attribute needs another type")
     values = np.asarray(array, dtype=np.float64)
     if accessor.normalized and array.dtype.kind in "iu":
         values = np.maximum(values / _LARGEST[accessor.component_type], -1.0)
@@ -60,7 +68,7 @@ def _read(document: Document, index: int) -> tuple[Accessor, Numbers]:
     if width is None:
         raise SceneError(f"accessor {index} is {accessor.type}; vertices have no matrices")
     kind = _TYPES[accessor.component_type]
-    document.budget.take("vertices", accessor.count)
+    document.budget.take("numbers of arrays", accessor.count * width)
     if accessor.buffer_view is None:
         array: Numbers = np.zeros((accessor.count, width), dtype=kind)
     else:

@@ -16,6 +16,7 @@ from oitbench.importing.gltf.extensions import KNOWN, PACKED
 from oitbench.importing.gltf.schema import Asset, BufferView, Gltf
 from oitbench.importing.limits import Budget, short
 from oitbench.importing.notes import Notes
+from oitbench.scene import Floats
 
 Part = TypeVar("Part")
 _MAGIC = b"glTF"
@@ -39,6 +40,11 @@ class Document:
     budget : Budget
     notes : Notes
 
+    Attributes
+    ----------
+    vectors : dict of int to array
+        The accessors that were read already; primitives often share them.
+
     Raises
     ------
     SceneError
@@ -58,6 +64,7 @@ class Document:
                 _check_version(msgspec.json.decode(text.rstrip(b"\0"), type=_Head).asset)
             raise SceneError(f"its JSON cannot be read: {error}") from error
         self._buffers: dict[int, memoryview] = {}
+        self.vectors: dict[int, Floats] = {}
         _check_version(self.gltf.asset)
         _check_extensions(self.gltf, notes)
 

@@ -19,7 +19,7 @@ _TRIANGLES, _STRIP, _FAN = 4, 5, 6
 
 @dataclass(frozen=True, eq=False)
 class Geometry:
-    """Vertices and triangles.
+    """Vertices that triangles use, and triangles.
 
     Parameters
     ----------
@@ -61,23 +61,23 @@ def read_primitive(document: Document, primitive: Primitive) -> Geometry | None:
         if name.startswith("COLOR_") and name != "COLOR_0":
             notes.add("only the first color of vertices counts")
     positions = read_vectors(document, attributes["POSITION"], 3)
-    count = len(positions)
-
-    def read(name: str, *widths: int) -> Floats | None:
-        if name not in attributes:
-            return None
-        values = read_vectors(document, attributes[name], *widths)
-        if len(values) != count:
-            raise SceneError(f"{name} has {len(values)} vertices, and POSITION {count}")
-        return values
-
-    triangles = _triangles(document, primitive, count)
+    triangles = _triangles(document, primitive, len(positions))
     kept = shapes.sound(positions, triangles)
     if not kept.all():
         notes.add("triangles without area are left out")
         triangles = triangles[kept]
     if not len(triangles):
         return None
+    used, triangles = shapes.compact(positions, triangles)
+
+    def read(name: str, *widths: int) -> Floats | None:
+        if name not in attributes:
+            return None
+        values = read_vectors(document, attributes[name], *widths)
+        if len(values) != len(positions):
+            raise SceneError(f"{name} has {len(values)} vertices, and POSITION {len(positions)}")
+        return values[used]
+
     coordinates = {}
     for name in sorted(attributes):
         number = name.removeprefix("TEXCOORD_")
@@ -85,12 +85,18 @@ def read_primitive(document: Document, primitive: Primitive) -> Geometry | None:
             found = read(name, 2)
             assert found is not None
             coordinates[int(number[:6])] = found
-    colors = read("COLOR_0", 3, 4)
-    if colors is not None:
-        opaque = np.ones((count, 4))
-        opaque[:, : colors.shape[1]] = colors.clip(0, 1)
-        colors = None if (opaque == 1).all() else opaque
-    return Geometry(positions, triangles, read("NORMAL", 3), coordinates, colors)
+    return Geometry(
+        positions[used], triangles, read("NORMAL", 3), coordinates, _colors(read("COLOR_0", 3, 4))
+    )
+
+
+def _colors(values: Floats | None) -> Floats | None:
+    """Return colors with alpha, shape (n, 4); None if all are white and opaque."""
+    if values is None:
+        return None
+    colors = np.ones((len(values), 4))
+    colors[:, : values.shape[1]] = values.clip(0, 1)
+    return None if (colors == 1).all() else colors
 
 
 def _triangles(document: Document, primitive: Primitive, vertices: int) -> Indices:

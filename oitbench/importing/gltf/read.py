@@ -70,9 +70,8 @@ class _Reader:
 
     def _mesh(self, geometry: Geometry, look: Look, matrices: Floats, name: str) -> Mesh:
         """Return the copies of a geometry as one mesh in the world."""
-        used, triangles = shapes.compact(geometry.positions, geometry.triangles)
-        positions, normals = geometry.positions[used], geometry.normals
-        normals = None if normals is None else normals[used]
+        positions, normals = geometry.positions, geometry.normals
+        triangles = geometry.triangles
         parts = []
         with np.errstate(all="ignore"):
             for number, matrix in enumerate(matrices):
@@ -85,29 +84,25 @@ class _Reader:
         return Mesh.from_arrays(
             places,
             np.concatenate([turned for _, _, turned in parts]),
-            uvs=self._uvs(geometry, look, used, len(matrices), name),
+            uvs=self._uvs(geometry, look, len(matrices), name),
             normals=None if normals is None else np.concatenate([d for _, d, _ in parts]),
-            **self._colors(geometry, look, used, len(matrices)),
+            **self._colors(geometry, look, len(matrices)),
         )
 
-    def _uvs(
-        self, geometry: Geometry, look: Look, used: shapes.Indices, count: int, name: str
-    ) -> Floats | None:
+    def _uvs(self, geometry: Geometry, look: Look, count: int, name: str) -> Floats | None:
         if look.placement is None:
             return None
         found = geometry.coordinates.get(look.placement.set)
         if found is None:
             self._document.notes.add("a texture without coordinates shows one texel", name)
             found = np.zeros((len(geometry.positions), 2))
-        return np.tile(look.placement.uvs(found[used]), (count, 1))
+        return np.tile(look.placement.uvs(found), (count, 1))
 
-    def _colors(
-        self, geometry: Geometry, look: Look, used: shapes.Indices, count: int
-    ) -> dict[str, Floats]:
+    def _colors(self, geometry: Geometry, look: Look, count: int) -> dict[str, Floats]:
         """Return the factors at vertices on the properties of a material."""
         if geometry.colors is None:
             return {}
-        colors = np.tile(geometry.colors[used], (count, 1))
+        colors = np.tile(geometry.colors, (count, 1))
         found = {"radiance" if look.unlit else "albedo": colors[:, :3]}
         if not look.unlit and look.passes:
             found["transmission"] = colors[:, :3]

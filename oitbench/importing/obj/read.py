@@ -29,7 +29,15 @@ class _Lines:
     coordinates: list[str] = field(default_factory=list)
     normals: list[str] = field(default_factory=list)
     runs: dict[tuple[str, str], list[Run]] = field(default_factory=dict)
+    absolute: dict[tuple[str, str, int], Run] = field(default_factory=dict)
     libraries: list[str] = field(default_factory=list)
+
+    def new_run(self, title: str, material: str, smooth: int) -> Run:
+        """Return an empty run of faces that come after the lines so far."""
+        before = len(self.vertices), len(self.coordinates), len(self.normals)
+        run = Run(before, smooth)
+        self.runs.setdefault((title, material), []).append(run)
+        return run
 
 
 def read_obj(file: Path, folder: Folder, budget: Budget, notes: Notes) -> Content:
