@@ -94,10 +94,13 @@ def sampled(
 
 
 def density(
-    points: Floats, weights: npt.ArrayLike, low: Vector, high: Vector, cell: float
+    points: Floats, weights: npt.ArrayLike, low: Vector, high: Vector, cell: float | Vector
 ) -> Voxels:
-    """Return the sum of the weights of points, shape (n, 3), per cubic meter around each voxel."""
-    counts = np.ceil(np.subtract(high, low) / cell).astype(int) + 1
+    """Return the sum of the weights of points, shape (n, 3), per cubic meter around each voxel.
+
+    Voxels are about `cell` apart, along each axis if it is a vector.
+    """
+    counts = np.ceil(np.subtract(high, low) / np.asarray(cell)).astype(int) + 1
     spacing = np.subtract(high, low) / (counts - 1)
     edges = [
         np.linspace(first - 0.5 * gap, last + 0.5 * gap, count + 1)
