@@ -62,7 +62,7 @@ CONCRETE: RGB = (0.46, 0.45, 0.43)
 COLUMNS = (np.arange(-12.0, 13.0, 4.0), np.arange(-8.0, 9.0, 4.0))
 FLOORS = (4.0, 8.0, 12.0)
 LOW, HIGH, CELL = (-19.0, 0.0, -13.0), (19.0, 20.0, 13.0), 0.5
-BUNDLES, MOST_IN_BUNDLE, CORNERS = 125, 8, 5
+BUNDLES, MOST_IN_BUNDLE, CORNERS = 105, 8, 5
 RADII, SHARES = (0.02, 0.03, 0.045, 0.07, 0.13, 0.22), (0.26, 0.28, 0.22, 0.14, 0.07, 0.03)
 # Colors of the pipes by what flows in them: steam, water, air, gas, oil, fire water, drains.
 PAINTS: tuple[tuple[str, RGB, float], ...] = (
