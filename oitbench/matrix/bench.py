@@ -131,7 +131,7 @@ class Bench:
         """Free the scene that is kept for further cells."""
         if self._stage is not None:
             stage, self._stage = self._stage, None
-            stage.uploaded.release()
+            stage.release()
 
     def run(self, cell: Cell) -> Record:
         """Render and score one cell; an error that belongs to the cell becomes its reason.
@@ -189,8 +189,8 @@ class Bench:
             with Frame(uploaded, method, fine, effects) as frame:
                 image, transmittance = with_transmittance(frame, cell.ssaa)
                 complexity, plan = int(frame.complexity.max()), frame.plan
-            cost = _count(uploaded, method, cell.size, effects, plan)
-            spread = _order_spread(uploaded, method, cell, effects, plan)
+            cost = _count(stage.coarse, method, cell.size, effects, plan)
+            spread = _order_spread(stage.coarse, method, cell, effects, plan)
         scorer = Scorer(stage, exact, image, self._store)
         scores, reason = self._score_all(stage, cell, chosen, exact, scorer)
         rmse = metrics.rmse_transmittance(exact.transmittance, transmittance)
@@ -227,7 +227,8 @@ class Bench:
         self.leave_scene()
         with self.watch.running("rendering"):
             scene = self.identities.scene(cell.scene)
-            uploaded = UploadedScene(self.device, scene, cell.settings)
+            rows = cell.size[1] * cell.ssaa
+            uploaded = UploadedScene(self.device, scene, cell.settings, rows)
         self._stage = Stage(*wanted, uploaded, self.collection.truth(), self._store)
         return self._stage
 

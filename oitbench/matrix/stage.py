@@ -88,6 +88,7 @@ class Stage:
     shading : str
         See `Cell.shading`.
     uploaded : UploadedScene
+        For frames with sub-pixels.
     method : Method
         Exact compositing.
     store : Store
@@ -106,6 +107,7 @@ class Stage:
     method: Method
     store: Store
     disagreements: dict[Effect, str] = field(default_factory=dict, init=False)
+    _coarse: UploadedScene | None = field(default=None, init=False)
     _exact: dict[Effect, Exact] = field(default_factory=dict, init=False)
     _traced: dict[str, Truth | OitbenchError] = field(default_factory=dict, init=False)
 
@@ -113,6 +115,22 @@ class Stage:
     def identity(self) -> tuple[str, tuple[int, int], int, str]:
         """The fields of a cell that have the same stage."""
         return self.label, self.size, self.ssaa, self.shading
+
+    @property
+    def coarse(self) -> UploadedScene:
+        """The scene for frames without sub-pixels."""
+        if self.ssaa == 1 or not self.scene.by_pixel:
+            return self.uploaded
+        if self._coarse is None:
+            fine = self.uploaded
+            self._coarse = UploadedScene(fine.device, fine.scene, fine.settings, self.size[1])
+        return self._coarse
+
+    def release(self) -> None:
+        """Free the scene on the device."""
+        self.uploaded.release()
+        if self._coarse is not None:
+            self._coarse.release()
 
     @property
     def scene(self) -> Scene:

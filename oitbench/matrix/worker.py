@@ -178,7 +178,7 @@ def _opened(bench: Bench, request: DrawPicture | DrawTargets) -> Iterator[tuple[
     fine = (request.size[0] * request.ssaa, request.size[1] * request.ssaa)
     check_size(bench.device, fine)
     with (
-        UploadedScene(bench.device, scene, read_shading(request.shading)) as uploaded,
+        UploadedScene(bench.device, scene, read_shading(request.shading), fine[1]) as uploaded,
         Frame(uploaded, chosen[0], fine, running) as frame,
     ):
         yield frame, chosen[0]

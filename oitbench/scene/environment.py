@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterable, Sequence
 
 import numpy as np
 
-from oitbench.scene.material import Material
+from oitbench.scene.material import Material, Texture
 from oitbench.scene.model import Scene
 from oitbench.scene.vectors import Floats
 
@@ -21,6 +21,8 @@ NODES = 65
 """Rows of a table of means, from straight up to straight down."""
 INCIDENCES = 64
 """Nodes of the table of `lobe_fit`, from grazing to normal incidence."""
+GRADES = 16
+"""Steps of roughness between which a texture of roughness is interpolated."""
 _SAMPLES = 4096
 _STEPS = 0.7548776662466927, 0.5698402909980532
 """Steps of the R₂ sequence, which covers the unit square evenly (Roberts 2018)."""
@@ -131,17 +133,32 @@ def lobe_fit(roughness: float) -> Floats:
 
 
 def rough_lobes(materials: Iterable[Material]) -> tuple[float, ...]:
-    """Return the distinct roughness of all surfaces that mirror light roughly, in order."""
-    return tuple(sorted({one.roughness for one in materials if _mirrors_roughly(one)}))
+    """Return the roughness of all lobes that a scene needs.
+
+    First come the distinct constants, in order. If any material has a texture of roughness, the
+    `GRADES` steps between which it is interpolated follow.
+    """
+    values = [one.roughness for one in materials if _mirrors_roughly(one)]
+    graded = any(isinstance(value, Texture) for value in values)
+    steps = [(k + 1) / GRADES for k in range(GRADES)] if graded else []
+    return (*sorted({value for value in values if not isinstance(value, Texture)}), *steps)
 
 
 def lobe_number(material: Material, lobes: Sequence[float]) -> int:
-    """Return the place of a material's lobe in `rough_lobes`, from 1; 0 if it has none."""
-    return 1 + lobes.index(material.roughness) if _mirrors_roughly(material) else 0
+    """Return the place of a material's lobe in `rough_lobes`, from 1; 0 if it has none.
+
+    A texture of roughness has that of the first step, negated.
+    """
+    if not _mirrors_roughly(material):
+        return 0
+    if isinstance(material.roughness, Texture):
+        return GRADES - len(lobes) - 1
+    return 1 + lobes.index(material.roughness)
 
 
 def _mirrors_roughly(material: Material) -> bool:
-    return material.roughness > 0 and material.reflectance > 0 and not material.isotropic
+    rough = isinstance(material.roughness, Texture) or material.roughness > 0
+    return rough and material.reflectance > 0 and not material.isotropic
 
 
 def _visible_normals(a: float, v: Floats, points: Floats) -> Floats:

@@ -62,7 +62,8 @@ def fog(**values: Any) -> Medium:
 
 WRONG: list[tuple[Callable[[], object], str]] = [
     (lambda: texture(4, 4, 2), r"texture: texels are \(4, 4, 2\)"),
-    (lambda: texture(4, 6), "texture: a side has 6 texels"),
+    (lambda: texture(4, 0), r"texture: texels are \(4, 0\); give one texel"),
+    (lambda: Texture(np.ones((1, 1), np.float32), ("repeat", "spin")), "texture: wrap is"),  # type: ignore[arg-type]
     (lambda: texture(4, 4, value=NAN), "texture: texels holds NaN"),
     (lambda: Material(coverage=1.5), "material: coverage"),
     (lambda: Material(coverage=texture(4, 4, value=-0.5)), "material: coverage"),

@@ -12,6 +12,7 @@ import math
 import numpy as np
 
 from oitbench.scene import RGB, Material, Mesh, Object
+from oitbench.scene.texturing import constant
 
 HALF_SPREAD = 0.25
 """k₀ of McGuire & Mara 2017, equation 7, in meters."""
@@ -66,6 +67,7 @@ def absorption(item: Object) -> RGB:
     """
     length = mean_chord(item.mesh)
     red, green, blue = (
-        -2 * math.log(max(part, LEAST_TRANSMISSION)) / length for part in item.material.transmission
+        -2 * math.log(max(part, LEAST_TRANSMISSION)) / length
+        for part in constant(item.material.transmission)
     )
     return red, green, blue

@@ -14,6 +14,7 @@ from oitbench.path_traced.optics.materials import interface_roughness
 from oitbench.path_traced.optics.reflection import meet_interface
 from oitbench.path_traced.optics.solids import Meeting, Solids
 from oitbench.scene import Floats, Scene
+from oitbench.scene.texturing import constant
 
 DEPTH = 32
 """Largest number of surfaces that a photon hits."""
@@ -74,7 +75,7 @@ class Interiors:
         facets, kept = np.zeros(len(by_name) + 1), np.ones((len(by_name) + 1, 3))
         for item in items:
             facets[by_name[item.name]] = interface_roughness(item.material)
-            kept[by_name[item.name]] -= item.material.albedo
+            kept[by_name[item.name]] -= constant(item.material.albedo)
         return cls(
             mitsuba.UInt32(offsets),
             mitsuba.UInt32(np.concatenate(ranks)),
