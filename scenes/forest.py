@@ -14,9 +14,9 @@ near : float
 
 A card shows a whole twig, the frond of a fern or a tuft of grass, drawn once with smooth edges into
 a texture of coverage: foliage is composited, not tested against a threshold. Depth complexity is
-moderate, up to some 45, but it spreads over 60 m, where methods that divide the depth of a pixel
-evenly find few layers in most slices. Light is baked in: the sun with the shadow of all foliage, the
-glow of leaves before it, the sky, and mist that thickens with distance.
+moderate, up to some 45, but it spreads over 60 m, and most slices of an even division are empty.
+Light is baked in: the sun with the shadow of all foliage, the glow of leaves before it, the sky,
+and mist that thickens with distance.
 """
 
 from __future__ import annotations
@@ -114,7 +114,9 @@ def _places(random: np.random.Generator, count: int, gap: float, path: float) ->
         z = -4.5 - 62.0 * random.random() ** 1.5
         x = random.uniform(-1, 1) * (2.0 - 0.85 * z)
         place = np.array([x, 0.0, z])
-        if abs(x - _path(z)) < path or any(np.hypot(*(place - other)[::2]) < gap for other in found):
+        if abs(x - _path(z)) < path or any(
+            np.hypot(*(place - other)[::2]) < gap for other in found
+        ):
             continue
         found.append(place)
         if len(found) == count:
@@ -162,8 +164,20 @@ def _trees(random: np.random.Generator, detail: float) -> tuple[Mesh, tuple[Grow
         tubes(np.concatenate(boughs), np.concatenate(widths), max(3, sides // 3)),
     ]
     kinds = (
-        ("beech", (0.62, 0.62), ((0.07, 0.19, 0.03), (0.16, 0.32, 0.05), (0.36, 0.44, 0.08)), 190, (0.075, 0.13)),
-        ("birch", (0.58, 0.58), ((0.12, 0.24, 0.05), (0.26, 0.38, 0.08), (0.50, 0.50, 0.12)), 340, (0.05, 0.08)),
+        (
+            "beech",
+            (0.62, 0.62),
+            ((0.07, 0.19, 0.03), (0.16, 0.32, 0.05), (0.36, 0.44, 0.08)),
+            190,
+            (0.075, 0.13),
+        ),
+        (
+            "birch",
+            (0.58, 0.58),
+            ((0.12, 0.24, 0.05), (0.26, 0.38, 0.08), (0.50, 0.50, 0.12)),
+            340,
+            (0.05, 0.08),
+        ),
     )
     growths = []
     for key, (label, half, colors, leaves, size) in enumerate(kinds):
@@ -191,10 +205,10 @@ def _undergrowth(random: np.random.Generator, detail: float) -> Iterator[Growth]
             up = random.random((count, 1)) ** 0.7
             feet = feet + [0, 1.9, 0] * up + 0.35 * random.normal(size=feet.shape) * [1, 0, 1]
             tips = level + [0, 0.9, 0] * up
-            uppers = random.normal(size=feet.shape) + [0, 0.5, 0]
+            uppers = np.add(random.normal(size=feet.shape), (0, 0.5, 0))
             spray = twig(random, 170, (0.085, 0.13))
         elif label == "ferns":
-            tips, uppers = level + [0, 1.1, 0], [0, 0.8, 0] - level
+            tips, uppers = np.add(level, (0, 1.1, 0)), [0, 0.8, 0] - level
             spray = frond(random)
         else:
             tips, uppers = [0, 1, 0] + 0.15 * level, level[:, [2, 1, 0]]
@@ -245,7 +259,9 @@ class _Light:
         """Return the ground: litter, moss and a trodden path, with dapples of the sun."""
         points = mesh.positions
         x, z = points[:, 0], points[:, 2]
-        mottled = 0.5 + 0.25 * np.sin(2.1 * x + 1.7 * np.sin(1.3 * z)) + 0.25 * np.sin(5.2 * z - 3 * x)
+        mottled = (
+            0.5 + 0.25 * np.sin(2.1 * x + 1.7 * np.sin(1.3 * z)) + 0.25 * np.sin(5.2 * z - 3 * x)
+        )
         path = np.exp(-(((x - _path(z)) / 0.8) ** 2))
         color = tint(np.clip(mottled * (1 - path), 0, 1), EARTH[::-1][::-1])
         color = color + (np.array([0.34, 0.26, 0.17]) - color) * 0.75 * path[:, None]
@@ -255,7 +271,9 @@ class _Light:
     def wood(self, mesh: Mesh) -> Mesh:
         """Return trunks and boughs with furrows along the bark."""
         points, normals = mesh.positions, normals_of(mesh)
-        furrows = 1 + 0.4 * np.sin(normals[:, 0] * 9 + points[:, 2] + 0.7 * np.sin(4 * points[:, 1]))
+        furrows = 1 + 0.4 * np.sin(
+            normals[:, 0] * 9 + points[:, 2] + 0.7 * np.sin(4 * points[:, 1])
+        )
         lit = self.sun(points + 0.5 * SUN.direction)
         moss = np.exp(-points[:, 1:2] / 0.5) * 0.6
         color = np.asarray(BARK) * furrows[:, None] * (1 - moss) + moss * [0.10, 0.15, 0.04]
@@ -296,7 +314,9 @@ def _sky() -> Mesh:
 
 def _ground(detail: float) -> Mesh:
     """Return the ground, with cells that grow with the distance."""
-    plane = grid((0, 0, 0), (1, 0, 0), (0, 0, -1), divisions(190, detail, 12), divisions(150, detail, 10))
+    plane = grid(
+        (0, 0, 0), (1, 0, 0), (0, 0, -1), divisions(190, detail, 12), divisions(150, detail, 10)
+    )
     far = 2.6 * (FAR / 2.6) ** ((1 - plane.positions[:, 2]) / 2)
     across = plane.positions[:, 0] * (1.5 + 1.05 * far)
     return replace(plane, positions=np.stack([across, 0 * far, -far], axis=1))

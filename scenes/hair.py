@@ -6,9 +6,10 @@ Transparency", and for figure 22 of McGuire & Mara 2017, "Phenomenological Trans
 Parameters
 ----------
 detail : float
-    Factor on the number of strands; fewer strands have fewer segments and are wider. At 1, 50,000.
+    Factor on the number of strands, which are 50,000 at detail 1; fewer strands have fewer
+    segments and are wider.
 alpha : float
-    Coverage of a strand, in [0, 1].
+    Coverage of a strand where it fills a pixel, in [0, 1].
 seed : int
     Seed of the strands.
 near : float
@@ -24,6 +25,7 @@ that hair casts on itself and on the bust.
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
@@ -32,25 +34,39 @@ from oitbench.modeling.detail import DETAIL, copies, divisions
 from oitbench.modeling.mesh import grid
 from oitbench.modeling.props.bust import bust
 from oitbench.modeling.props.hairstyle import grow
-from oitbench.modeling.strands import ribbons, tangents
 from oitbench.modeling.voxels import Voxels, density
 from oitbench.parameters import Parameter
-from oitbench.scene import RGB, WHITE, Camera, Floats, Material, Mesh, Object, Scene, Vector, unit
+from oitbench.scene import (
+    RGB,
+    WHITE,
+    Camera,
+    Floats,
+    Material,
+    Mesh,
+    Object,
+    Scene,
+    Strands,
+    Vector,
+    unit,
+)
 
 quick = False
 near = 1.1
 parameters = {
     "detail": DETAIL,
-    "alpha": Parameter(0.2, low=0.0, high=1.0, help="coverage of a strand"),
+    "alpha": Parameter(0.5, low=0.0, high=1.0, help="coverage of a strand that fills a pixel"),
     "seed": Parameter(1, low=0, help="seed of the strands"),
 }
 
 STRANDS, POINTS = 50_000, 30
-WIDTH = 0.0006
-"""Width of a ribbon in meters: about a pixel of a picture that is 720 pixels high."""
-CAMERA = Camera(
-    position=(-0.62, 0.02, 1.30), target=(0.004, -0.061, 0.0), fov_y=math.radians(17.0)
-)
+WIDTH = 0.00024
+"""Width of a strand, meters. In a picture that is 720 pixels high, a pixel is 0.0006 wide: strands
+are drawn that wide, and cover 0.4 alpha of it."""
+CAMERA = Camera(position=(-0.62, 0.02, 1.30), target=(0.004, -0.061, 0.0), fov_y=math.radians(17.0))
+VIEWS = {
+    "front": replace(CAMERA, position=(0.05, 0.0, 1.44)),
+    "side": replace(CAMERA, position=(-1.42, 0.02, 0.10)),
+}
 KEY = Rig((-0.25, 0.75, 0.70), (0.98, 0.86, 0.72), (0.22, 0.25, 0.31), (0.10, 0.08, 0.07))
 RIM: Vector = (0.75, 0.55, -0.55)
 RIM_LIGHT: RGB = (1.0, 1.05, 1.15)
@@ -72,13 +88,13 @@ def build(*, name: str, detail: float, alpha: float, seed: int) -> Scene:
     share = STRANDS / count
     shadows = _Shadows(curves, share)
     shades = _shades(random, curves, shadows)
-    strands = ribbons(curves, WIDTH * min(share**0.5, 8.0), shades, CAMERA)
+    strands = Strands(curves, WIDTH * share, shades)
     objects = (
         Object("backdrop", _backdrop(), Material(emission=WHITE)),
         Object("bust", _bust(detail, shadows), Material(emission=WHITE)),
         Object("hair", strands, Material(coverage=alpha, emission=WHITE)),
     )
-    return Scene(name, CAMERA, objects)
+    return Scene(name, CAMERA, objects, views=VIEWS)
 
 
 class _Shadows:
@@ -90,7 +106,10 @@ class _Shadows:
         hair = density(middles, lengths * THICKNESS, LOW, HIGH, CELL)
         self._key = hair.integral_toward(KEY.direction)
         self._rim = hair.integral_toward(RIM)
-        up = [hair.integral_toward(way).values for way in ((0, 1, 0.3), (-0.8, 0.3, 0.5), (0.8, 0.3, 0.5))]
+        up = [
+            hair.integral_toward(way).values
+            for way in ((0, 1, 0.3), (-0.8, 0.3, 0.5), (0.8, 0.3, 0.5))
+        ]
         self._sky = Voxels(LOW, HIGH, np.mean([np.exp(-0.7 * depth) for depth in up], axis=0))
 
     def key(self, points: Floats) -> Floats:
@@ -112,7 +131,7 @@ def _shades(random: np.random.Generator, curves: Floats, shadows: _Shadows) -> F
     real-time hair rendering and shading": two shifted highlights.
     """
     count, length = curves.shape[:2]
-    along = tangents(curves)
+    along = unit(np.gradient(curves, axis=1))
     to_eye = unit(np.asarray(CAMERA.position) - curves)
     tone = np.clip(random.normal(0.36, 0.16, (count, 1, 1)), 0, 1)
     tone = np.clip(tone + 0.28 * np.linspace(-0.6, 1, length)[None, :, None], 0, 1)
@@ -144,7 +163,9 @@ def _bust(detail: float, shadows: _Shadows) -> Mesh:
     outside = body.positions + 0.006 * normals
     light = diffuse(normals, KEY, shadows.key(outside), shadows.sky(outside))
     rim = np.maximum(normals @ unit(np.asarray(RIM)), 0)[:, None] * shadows.rim(outside)
-    lips = np.exp(-((np.abs(body.positions - [0, -0.0635, 0.08]) / [0.021, 0.010, 0.02]) ** 4).sum(axis=1))
+    lips = np.exp(
+        -((np.abs(body.positions - [0, -0.0635, 0.08]) / [0.021, 0.010, 0.02]) ** 4).sum(axis=1)
+    )
     paint = SKIN + (np.asarray(LIPS) - SKIN) * lips[:, None]
     return with_radiance(body, paint * (light + 0.5 * rim * np.asarray(RIM_LIGHT)))
 

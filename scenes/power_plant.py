@@ -8,16 +8,16 @@ Parameters
 detail : float
     Factor on the number of triangles. Below 1, there are fewer pipes, too.
 alpha : float
-    Coverage of pipes, in [0, 1]; vessels cover two thirds as much.
+    Coverage of pipes, in [0, 1]; vessels cover 0.6 times as much.
 seed : int
     Seed of the routes of the pipes.
 near : float
     Distance of the near plane from the camera, m. The ground begins at 19 m in the picture.
 
-Long, thin parts cross in all directions, so that no order of the objects or even of the triangles is
-right, and thin bright lines alias without several samples per pixel. Depth complexity is about 35.
-Light is baked in: a sun with highlights for the main camera, the sky, and less light between the
-pipes and on the ground below.
+Long, thin parts cross in all directions, so that no order of objects, or even of triangles, is
+right, and thin bright lines alias without several samples per pixel. Depth complexity is up to some
+40. Light is baked in: a sun with highlights for the main camera, the sky, and less light between
+the pipes and on the ground below.
 """
 
 from __future__ import annotations
@@ -44,13 +44,13 @@ from oitbench.modeling.props.piping import (
 from oitbench.modeling.tubes import straight, tubes
 from oitbench.modeling.voxels import Voxels, density
 from oitbench.parameters import Parameter
-from oitbench.scene import RGB, WHITE, Camera, Floats, Material, Mesh, Object, Scene, unit
+from oitbench.scene import RGB, WHITE, Camera, Floats, Material, Mesh, Object, Scene, Texture, unit
 
 quick = False
 near = 16.0
 parameters = {
     "detail": DETAIL,
-    "alpha": Parameter(0.55, low=0.0, high=1.0, help="coverage of pipes"),
+    "alpha": Parameter(0.38, low=0.0, high=1.0, help="coverage of pipes"),
     "seed": Parameter(1, low=0, help="seed of the routes of the pipes"),
 }
 
@@ -85,9 +85,26 @@ def build(*, name: str, detail: float, alpha: float, seed: int) -> Scene:
     light = _Light([mesh for _, mesh, _, _ in parts])
     objects = [Object("ground", light.ground(_ground(detail)), Material(emission=WHITE))]
     for label, mesh, color, share in parts:
-        cover = grating() if label == "walkways" else min(1.0, alpha * share)
-        objects.append(Object(label, light.shaded(mesh, color), Material(coverage=cover, emission=WHITE)))
+        shaded = light.shaded(mesh, color)
+        if label == "walkways":
+            cover: float | Texture = grating()
+        else:
+            cover, shaded = _shell(shaded, min(0.95, alpha * share))
+        objects.append(Object(label, shaded, Material(coverage=cover, emission=WHITE)))
     return Scene(name, CAMERA, tuple(objects), background=HAZE)
+
+
+def _shell(mesh: Mesh, alpha: float) -> tuple[float, Mesh]:
+    """Return the largest coverage, and the mesh with its factors, of a shell of coverage `alpha`.
+
+    A shell is crossed at a slant where it curves away, and covers 1 − (1 − alpha)^(1/cos) there.
+    """
+    to_eye = unit(np.asarray(CAMERA.position) - mesh.positions)
+    cosine = np.maximum(np.abs((normals_of(mesh) * to_eye).sum(axis=1)), 0.2)
+    covers = 1 - (1 - alpha) ** (1 / cosine)
+    most = float(covers.max())
+    factors = covers / max(most, 1e-9)
+    return most, replace(mesh, coverage=factors.astype(np.float32))
 
 
 Part = tuple[str, Mesh, RGB, float]
@@ -117,13 +134,17 @@ def _pipes(random: np.random.Generator, detail: float) -> list[Part]:
         places = corners[:, :-1] + (0.25 + 0.5 * joints) * np.diff(corners, axis=1)
         ways = unit(np.diff(corners, axis=1)).reshape(-1, 3)
         rings = flanges(places.reshape(-1, 3), ways, radii.repeat(CORNERS - 1), sides)
-        parts.append((f"{label} pipes", merge([tubes(curves, radii[:, None], sides), rings]), color, 1.0))
+        parts.append(
+            (f"{label} pipes", merge([tubes(curves, radii[:, None], sides), rings]), color, 1.0)
+        )
     return parts
 
 
 def _route(random: np.random.Generator) -> Floats:
     """Return the corners of a pipe that runs along the floors and climbs at the columns."""
-    heights = np.array([0.5, *(floor + 0.35 for floor in FLOORS), *(floor - 0.9 for floor in FLOORS)])
+    heights = np.array(
+        [0.5, *(floor + 0.35 for floor in FLOORS), *(floor - 0.9 for floor in FLOORS)]
+    )
     place = np.array([random.uniform(-13, 12), random.choice(heights), random.uniform(-8.5, 7.5)])
     place[1] += random.uniform(-0.2, 0.5)
     corners = [place]
@@ -148,7 +169,8 @@ def _route(random: np.random.Generator) -> Floats:
 def _vessels(detail: float) -> list[Part]:
     """Return columns, tanks, drums and a sphere on legs."""
     upright = (
-        ((-9.5, 0.3, 5.6), 1.2, 16.0), ((-6.0, 0.3, 5.9), 0.85, 13.5), ((9.8, 0.3, -5.5), 1.4, 16.8),
+        ((-9.5, 0.3, 5.6), 1.2, 16.0), ((-6.0, 0.3, 5.9), 0.85, 13.5),
+        ((9.8, 0.3, -5.5), 1.4, 16.8),
         ((1.8, 0.3, 6.0), 1.5, 6.2), ((5.6, 0.3, 6.2), 1.2, 4.8), ((-2.2, 4.3, -2.0), 1.2, 6.8),
         ((6.0, 4.3, -2.0), 1.25, 5.5), ((14.8, 0.0, -2.5), 2.3, 7.0), ((15.2, 0.0, 4.2), 2.3, 5.6),
     )  # fmt: skip
@@ -158,18 +180,20 @@ def _vessels(detail: float) -> list[Part]:
     )  # fmt: skip
     vessels = [vessel(*item, detail) for item in upright]
     vessels += [drum(*item, detail, (1, 0, 0)) for item in lying]
-    vessels.append(sphere((-15.0, 4.4, -3.0), 3.2, divisions(40, detail, 12), divisions(24, detail, 8)))
+    vessels.append(
+        sphere((-15.0, 4.4, -3.0), 3.2, divisions(40, detail, 12), divisions(24, detail, 8))
+    )
     around = np.linspace(0, 2 * math.pi, 9)[:-1]
     feet = np.stack([-15 + 2.9 * np.cos(around), 0 * around, -3 + 2.9 * np.sin(around)], axis=1)
-    legs = tubes(straight(feet, feet + [0, 4.6, 0]), 0.16, divisions(8, detail, 5))
-    return [("vessels", merge(vessels), SILVER, 0.66), ("legs", legs, SILVER, 1.0)]
+    legs = tubes(straight(feet, np.add(feet, (0, 4.6, 0))), 0.16, divisions(8, detail, 5))
+    return [("vessels", merge(vessels), SILVER, 0.60), ("legs", legs, SILVER, 1.0)]
 
 
 def _steel(detail: float) -> list[Part]:
     """Return the frame, its bracing, walkways and railings."""
     xs, zs = COLUMNS
     feet = np.array([(x, 0.0, z) for x in xs for z in zs])
-    starts, ends = [feet], [feet + [0, FLOORS[-1] + 0.4, 0]]
+    starts, ends = [feet], [np.add(feet, (0, FLOORS[-1] + 0.4, 0))]
     for floor in FLOORS:
         for z in zs:
             starts.append(np.array([[x, floor - 0.15, z] for x in xs[:-1]]))
@@ -179,7 +203,7 @@ def _steel(detail: float) -> list[Part]:
             ends.append(starts[-1] + [0, 0, 4.0])
     frame = beams(np.concatenate(starts), np.concatenate(ends), 0.22)
     low = [(x, floor - 4, z) for x, floor, z in itertools.product(xs[::2], FLOORS, zs[::4])]
-    bracing = [straight(np.array(low), np.array(low) + [side * 4.0, 4.0, 0]) for side in (-1, 1)]
+    bracing = [straight(np.array(low), np.add(low, (side * 4.0, 4.0, 0))) for side in (-1, 1)]
     bracing = [curves[np.abs(curves[:, 1, 0]) <= 12.0] for curves in bracing]
     decks, rails = [], []
     sides = divisions(5, detail**0.5, 3)
@@ -197,8 +221,8 @@ def _steel(detail: float) -> list[Part]:
     ]
     braces = tubes(np.concatenate(bracing), 0.08, divisions(7, detail**0.5, 4))
     return [
-        ("frame", frame, STEEL, 1.2),
-        ("bracing", braces, STEEL, 1.2),
+        ("frame", frame, STEEL, 1.1),
+        ("bracing", braces, STEEL, 1.1),
         ("walkways", merge([*decks, *stairs]), STEEL, 1.0),
         ("railings", merge(rails), RAIL, 1.6),
     ]
@@ -233,9 +257,11 @@ class _Light:
     def ground(self, mesh: Mesh) -> Mesh:
         """Return the ground, which fades into haze."""
         points = mesh.positions
-        lit, up = (np.exp(-0.14 * part.at(points + [0, 0.3, 0]))[:, None] for part in (self._sun, self._up))
-        inside = (np.abs(points[:, :1]) < 19) & (np.abs(points[:, 2:]) < 13)
-        light = CONCRETE * diffuse(normals_of(mesh), SUN, np.where(inside, lit, lit), up)
+        lit, up = (
+            np.exp(-0.14 * part.at(np.add(points, (0, 0.3, 0))))[:, None]
+            for part in (self._sun, self._up)
+        )
+        light = CONCRETE * diffuse(normals_of(mesh), SUN, lit, up)
         far = np.exp(-((np.hypot(points[:, 0], points[:, 2]) / 55) ** 2))[:, None]
         return with_radiance(mesh, HAZE + (light - HAZE) * far)
 

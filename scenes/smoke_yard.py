@@ -29,6 +29,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from oitbench.modeling.baking import tint
 from oitbench.modeling.detail import PARTICLE_DETAIL, copies, divisions
 from oitbench.modeling.mesh import box, lathe, quad, slab
 from oitbench.modeling.particles import smoke, sprites
@@ -39,7 +40,6 @@ from oitbench.modeling.placement import (
     repeated,
     rotation,
     scatter,
-    transform,
     translation,
 )
 from oitbench.modeling.props.leaves import card_frames
@@ -55,7 +55,6 @@ from oitbench.scene import (
     DirectionalLight,
     Floats,
     Material,
-    Mesh,
     Object,
     Scene,
     Texture,
@@ -74,8 +73,15 @@ parameters = {
 CAMERA = Camera(position=(0.4, 1.75, 0.0), target=(-0.1, 1.45, -9.0), fov_y=math.radians(36))
 SUNWARD: Vector = (-0.62, 0.70, 0.36)
 SUN: RGB = (9.0, 7.9, 6.2)  # irradiance
-SKY = ((-4.0, (0.0, 0.0, 0.0)), (-1.0, (0.42, 0.44, 0.45)), (20.0, (0.40, 0.48, 0.58)), (90.0, (0.20, 0.32, 0.52)))
+SKY = (
+    (-4.0, (0.0, 0.0, 0.0)),
+    (-1.0, (0.42, 0.44, 0.45)),
+    (20.0, (0.40, 0.48, 0.58)),
+    (90.0, (0.20, 0.32, 0.52)),
+)
 FENCE, WALL, BACK = -3.6, -11.5, -16.0  # z of the fence, of the workshop's front and of its back
+ALBEDO = 0.96
+"""Fraction of the light that a particle of smoke scatters."""
 DRUM: Vector = (0.0, 0.0, -7.5)
 PLUME, DRIFT, VEIL = 6600, 250, 60
 """Numbers of particles: of the plume over the drum, of drifting smoke, and of a thin veil."""
@@ -104,7 +110,8 @@ BUSHES: tuple[tuple[Vector, Vector, int], ...] = (
     ((-5.2, 1.5, -9.6), (1.0, 1.9, 0.9), 130),
     ((1.9, 2.75, -3.9), (0.85, 0.35, 0.3), 55),
 )
-GREENS: tuple[RGB, ...] = ((0.05, 0.12, 0.025), (0.12, 0.20, 0.04))
+GREEN: RGB = (0.13, 0.22, 0.045)
+SHADES: tuple[RGB, ...] = ((0.35, 0.5, 0.5), (1.0, 1.0, 1.0))
 WINDOWS = ((-3.9, 1.5), (-1.2, 1.5), (1.5, 1.5), (4.2, 1.5))  # middle and half width, meters
 SILL, HEAD, EAVES = 0.95, 3.1, 4.2
 
@@ -129,33 +136,39 @@ def build(*, name: str, detail: float, alpha: float, seed: int) -> Scene:
 
 def _smoke(random: np.random.Generator, detail: float, alpha: float) -> Iterator[Object]:
     """Yield the plume over the drum, the smoke that drifts away, and a veil over the yard."""
-    nominal, foot = PLUME, np.asarray(DRUM) + [0, 0.95, 0]
+    nominal, foot = PLUME, np.add(DRUM, (0, 0.95, 0))
     count = copies(nominal, detail)
     age = random.random(count) ** 1.35
     path = np.stack([-2.5 * age**1.7, 2.5 * age**0.8, -0.2 * age**1.5], axis=1)
-    swirl = np.stack([np.sin(9 * age), 0 * age, np.cos(9 * age)], axis=1) * (0.06 + 0.22 * age)[:, None]
+    swirl = (
+        np.stack([np.sin(9 * age), 0 * age, np.cos(9 * age)], axis=1) * (0.06 + 0.22 * age)[:, None]
+    )
     spread = (0.05 + 0.18 * age)[:, None] * random.normal(size=(count, 3))
     radii = (0.065 + 0.17 * age) * random.uniform(0.8, 1.2, count)
-    mesh = sprites(random, foot + path + swirl + spread, radii, CAMERA, SUNWARD)
-    yield Object("plume", mesh, _vapor(alpha, nominal, count), particles=True)
+    mesh = sprites(random, foot + path + swirl + spread, radii, SUNWARD)
+    yield Object("plume", mesh, smoke(alpha, ALBEDO, nominal, count), particles=True)
     for label, nominal, part, size in (("drift", DRIFT, 3.2, 0.60), ("veil", VEIL, 1.0, 1.1)):
         count = copies(nominal, detail)
         along = random.random(count)
         if label == "drift":
             middle = np.stack([-2.2 - 2.4 * along, 3.1 - 1.3 * along, -0.2 + 2.9 * along], axis=1)
-            centers = np.asarray(DRUM) * [1, 0, 1] + middle + (0.25 + 0.5 * along)[:, None] * random.normal(size=(count, 3)) * [1, 0.6, 1]
+            centers = (
+                np.asarray(DRUM) * [1, 0, 1]
+                + middle
+                + (0.25 + 0.5 * along)[:, None] * random.normal(size=(count, 3)) * [1, 0.6, 1]
+            )
         else:
-            centers = np.stack([random.uniform(-4.6, 4.6, count), 0.9 + 1.5 * along**2, random.uniform(-14.5, -5.4, count)], axis=1)
+            centers = np.stack(
+                [
+                    random.uniform(-4.6, 4.6, count),
+                    0.9 + 1.5 * along**2,
+                    random.uniform(-14.5, -5.4, count),
+                ],
+                axis=1,
+            )
         radii = np.minimum(size * random.uniform(0.75, 1.25, count), centers[:, 1] * 0.9)
-        mesh = sprites(random, centers, radii, CAMERA, SUNWARD)
-        yield Object(label, mesh, _vapor(part * alpha, nominal, count), particles=True)
-
-
-def _vapor(alpha: float, nominal: int, count: int) -> Material:
-    """Return the material of smoke, with a texture as large as those of leaves and wire."""
-    vapor = smoke(alpha, 0.90, nominal, count)
-    assert isinstance(vapor.coverage, Texture)
-    return replace(vapor, albedo=(0.96, 0.96, 0.96), coverage=Texture(np.kron(vapor.coverage.texels, np.ones((2, 2), np.float32))))
+        mesh = sprites(random, centers, radii, SUNWARD)
+        yield Object(label, mesh, smoke(part * alpha, ALBEDO, nominal, count), particles=True)
 
 
 def _parked(detail: float) -> Iterator[Object]:
@@ -173,11 +186,17 @@ def _parked(detail: float) -> Iterator[Object]:
 def _workshop() -> Iterator[Object]:
     """Yield the walls with openings, mullions, panes, and the room behind them."""
     edges = [-8.0, *itertools.chain(*((x - half, x + half) for x, half in WINDOWS)), 8.0]
-    piers = [slab((a, -0.05, WALL - 0.3), (b, HEAD, WALL)) for a, b in zip(edges[::2], edges[1::2], strict=True)]
+    piers = [
+        slab((a, -0.05, WALL - 0.3), (b, HEAD, WALL))
+        for a, b in zip(edges[::2], edges[1::2], strict=True)
+    ]
     walls = [
         *piers,
         slab((-8.0, HEAD, WALL - 0.3), (8.0, EAVES, WALL)),
-        *(slab((x - half, -0.05, WALL - 0.28), (x + half, SILL, WALL - 0.02)) for x, half in WINDOWS),
+        *(
+            slab((x - half, -0.05, WALL - 0.28), (x + half, SILL, WALL - 0.02))
+            for x, half in WINDOWS
+        ),
     ]
     yield Object("walls", merge(walls), BRICK)
     room = [
@@ -190,10 +209,17 @@ def _workshop() -> Iterator[Object]:
     bars, panes = [], []
     for x, half in WINDOWS:
         for part in np.linspace(-1, 1, 6):
-            bars.append(box((x + part * (half - 0.03), (SILL + HEAD) / 2, WALL - 0.15), (0.06, HEAD - SILL, 0.06)))
+            bars.append(
+                box(
+                    (x + part * (half - 0.03), (SILL + HEAD) / 2, WALL - 0.15),
+                    (0.06, HEAD - SILL, 0.06),
+                )
+            )
         for level in np.linspace(SILL + 0.03, HEAD - 0.03, 4):
             bars.append(box((x, level, WALL - 0.15), (2 * half, 0.058, 0.055)))
-        panes.append(quad((x, (SILL + HEAD) / 2, WALL - 0.152), (half, 0, 0), (0, (HEAD - SILL) / 2, 0)))
+        panes.append(
+            quad((x, (SILL + HEAD) / 2, WALL - 0.152), (half, 0, 0), (0, (HEAD - SILL) / 2, 0))
+        )
     yield Object("mullions", merge(bars), FRAME)
     yield Object("workshop windows", merge(panes), PANE)
 
@@ -201,7 +227,15 @@ def _workshop() -> Iterator[Object]:
 def _clutter(detail: float) -> Iterator[Object]:
     """Yield the burning drum, another one, and crates."""
     slices = divisions(28, detail, 8)
-    outline = [(0.0, 0.06), (0.27, 0.05), (0.27, 0.88), (0.285, 0.90), (0.29, 0.6), (0.30, 0.58), (0.29, 0.56)]
+    outline = [
+        (0.0, 0.06),
+        (0.27, 0.05),
+        (0.27, 0.88),
+        (0.285, 0.90),
+        (0.29, 0.6),
+        (0.30, 0.58),
+        (0.29, 0.56),
+    ]
     outline += [(0.29, 0.32), (0.30, 0.30), (0.29, 0.28), (0.285, -0.02)]
     shell = lathe(outline[::-1], slices)
     spots = [DRUM, (0.85, 0.0, -9.2), (1.5, 0.0, -9.4)]
@@ -212,7 +246,7 @@ def _clutter(detail: float) -> Iterator[Object]:
 
 
 def _foliage(random: np.random.Generator, detail: float) -> Iterator[Object]:
-    """Yield the bushes, one object for each green."""
+    """Yield the bushes as one object, whose twigs are in random order."""
     frames: list[Floats] = []
     for center, half, number in BUSHES:
         count = copies(number, detail)
@@ -223,12 +257,13 @@ def _foliage(random: np.random.Generator, detail: float) -> Iterator[Object]:
         tips = outward + 0.6 * random.normal(size=(count, 3)) + [0, 0.5, 0]
         size = random.uniform(0.22, 0.34, (count, 1)) * max(1.0, number / count) ** 0.5
         frames.append(card_frames(feet, tips, random.normal(size=(count, 3)), size, size))
-    every = random.permutation(np.concatenate(frames))
-    card = quad((0, 0, 0), (1, 0, 0), (0, 1, 0))
-    for number, (color, rows) in enumerate(zip(GREENS, np.array_split(every, len(GREENS)), strict=True)):
-        spray = twig(random, 130, (0.10, 0.15))
-        leaves = Material(coverage=spray.coverage, albedo=color, specular=0.0)
-        yield Object(f"bushes {number}", scatter(card, rows), leaves)
+    rows = random.permutation(np.concatenate(frames))
+    cards = scatter(quad((0, 0, 0), (1, 0, 0), (0, 1, 0)), rows)
+    shades = tint(random.random(len(rows)).repeat(len(cards.positions) // len(rows)), SHADES)
+    spray = twig(random, 130, (0.10, 0.15))
+    green = Texture(np.clip(spray.color.texels * np.float32(GREEN), 0, 1))
+    leaves = Material(coverage=spray.coverage, albedo=green, specular=0.0)
+    yield Object("bushes", replace(cards, albedo=shades.astype(np.float32)), leaves)
 
 
 def _fence(detail: float) -> Iterator[Object]:
@@ -236,7 +271,7 @@ def _fence(detail: float) -> Iterator[Object]:
     spots = np.array([-4.4, -2.2, 0.0, 2.2, 4.4])
     feet = np.stack([spots, 0 * spots - 0.05, 0 * spots + FENCE - 0.04], axis=1)
     sides = divisions(10, detail, 5)
-    posts = tubes(straight(feet, feet + [0, 2.2, 0]), 0.03, sides)
+    posts = tubes(straight(feet, np.add(feet, (0, 2.2, 0))), 0.03, sides)
     rail = tubes(straight([[-4.6, 2.12, FENCE - 0.04]], [[4.6, 2.12, FENCE - 0.04]]), 0.022, sides)
     yield Object("posts", merge([posts, rail]), STEEL)
     panel = quad((0.55, 0.525, FENCE), (0.55, 0, 0), (0, 0.525, 0))

@@ -94,4 +94,6 @@ def _frames(curves: Floats, along: Floats) -> Floats:
 def _mirrored(vectors: Floats, normals: Floats) -> Floats:
     """Return vectors mirrored in planes; unchanged where the normal has no length."""
     square = np.maximum((normals**2).sum(axis=1, keepdims=True), 1e-300)
-    return np.asarray(vectors - 2 * (vectors * normals).sum(axis=1, keepdims=True) / square * normals)
+    return np.asarray(
+        vectors - 2 * (vectors * normals).sum(axis=1, keepdims=True) / square * normals
+    )

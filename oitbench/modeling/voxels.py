@@ -50,7 +50,7 @@ class Voxels:
     def gradient(self, points: Floats) -> Floats:
         """Return the direction, shape (..., 3), in which the values rise; of unit length."""
         rising = [slope.at(points) for slope in self._slopes]
-        return unit(np.stack(rising, axis=-1) + [0.0, 1e-12, 0.0])
+        return unit(np.add(np.stack(rising, axis=-1), (0.0, 1e-12, 0.0)))
 
     def integral_toward(self, direction: npt.ArrayLike) -> Voxels:
         """Return the integrals of the values along rays in `direction` to the border of the box.
@@ -83,9 +83,7 @@ class Voxels:
         return Voxels(self.low, self.high, values)
 
 
-def sampled(
-    function: Callable[[Floats], Floats], low: Vector, high: Vector, cell: float
-) -> Voxels:
+def sampled(function: Callable[[Floats], Floats], low: Vector, high: Vector, cell: float) -> Voxels:
     """Return a function of points, shape (n, 3), at the points of a grid about `cell` apart."""
     counts = np.ceil(np.subtract(high, low) / cell).astype(int) + 1
     lines = [np.linspace(*ends) for ends in zip(low, high, counts, strict=True)]

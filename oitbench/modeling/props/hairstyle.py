@@ -73,7 +73,7 @@ def _fall(random: np.random.Generator, starts: Floats, body: Voxels, points: int
     path = [place]
     for index in range(_STEPS - 1):
         pull = min(0.10 + 0.012 * index, 0.30)
-        gather = swept * 0.075 * np.clip((-0.02 - place[:, 1]) / 0.08, 0, 1)
+        gather = swept * 0.05 * np.clip((-0.02 - place[:, 1]) / 0.08, 0, 1)
         aside = (np.asarray(GATHERED) - place) * [1, 0, 1] / 0.06
         heading = unit(heading + [0.0, -pull, 0.0] + gather[:, None] * aside)
         moved = place + _STEP * heading

@@ -5,6 +5,7 @@ Meters, y up.
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Sequence
 
@@ -70,18 +71,23 @@ def grating() -> Texture:
     return Texture(((bars & inner) | frame).astype(np.float32))
 
 
-def railing(corners: Sequence[Vector], sides: int, height: float = 1.1, pitch: float = 1.25) -> Mesh:
+def railing(
+    corners: Sequence[Vector], sides: int, height: float = 1.1, pitch: float = 1.25
+) -> Mesh:
     """Return the posts and the two rails of a railing above a polygon, meters."""
     points = np.asarray(corners, dtype=np.float64)
     feet: list[Floats] = []
-    for start, end in zip(points[:-1], points[1:], strict=True):
+    for start, end in itertools.pairwise(points):
         count = max(1, round(float(np.linalg.norm(end - start)) / pitch))
         feet.append(start + (end - start) * (np.arange(count)[:, None] / count))
     posts = np.concatenate([*feet, points[-1:]])
     up = np.array([0.0, height, 0.0])
     rails = [straight(points[:-1] + part * up, points[1:] + part * up) for part in (0.52, 1.0)]
     return merge(
-        [tubes(straight(posts, posts + up), 0.022, sides), tubes(np.concatenate(rails), 0.025, sides)]
+        [
+            tubes(straight(posts, posts + up), 0.022, sides),
+            tubes(np.concatenate(rails), 0.025, sides),
+        ]
     )
 
 

@@ -84,9 +84,7 @@ class _Canvas:
         color = sums / np.maximum(coverage, 1e-6)[..., None]
         return Spray(Texture(coverage.astype(np.float32)), Texture(color.astype(np.float32)))
 
-    def _window(
-        self, middle: Floats, reach: float
-    ) -> tuple[slice, slice, Floats, Floats]:
+    def _window(self, middle: Floats, reach: float) -> tuple[slice, slice, Floats, Floats]:
         """Return the rows and columns around a point, and the places of their subsamples."""
         scale = self.samples / (2 * self._edge)
         column, row = (middle[0] + self._edge) * scale, (self._edge - middle[1]) * scale
@@ -130,7 +128,9 @@ def twig(
         side = 1 if index % 2 else -1
         at = -0.80 + 1.35 * (index + random.random()) / SHOOTS
         foot = np.array([0.06 * math.sin(3 * at), at])
-        shoots.append((foot, side * random.uniform(0.6, 1.1), random.uniform(0.75, 1.0) * (1.05 - 0.4 * at)))
+        shoots.append(
+            (foot, side * random.uniform(0.6, 1.1), random.uniform(0.75, 1.0) * (1.05 - 0.4 * at))
+        )
     spots = []
     for foot, angle, length in shoots:
         bend = random.uniform(-0.25, 0.25)

@@ -55,7 +55,15 @@ class Shape:
 
 
 SEDAN = Shape(
-    belt=((-2.22, 0.62), (-2.12, 0.72), (-1.0, 0.92), (-0.6, 0.95), (1.3, 1.0), (2.1, 0.97), (2.2, 0.8)),
+    belt=(
+        (-2.22, 0.62),
+        (-2.12, 0.72),
+        (-1.0, 0.92),
+        (-0.6, 0.95),
+        (1.3, 1.0),
+        (2.1, 0.97),
+        (2.2, 0.8),
+    ),
     glass=(-0.95, -0.20, 0.85, 1.50),
     roof=1.45,
     width=1.74,
@@ -177,7 +185,14 @@ def _edges(shape: Shape) -> tuple[Floats, Floats]:
         return np.array([x, np.interp(x, belt[:, 0], belt[:, 1]) - 0.01, -half * 1.12])
 
     feet = np.array([at(foot), at(head), at(last), at(end)])
-    heads = np.array([[head, shape.roof, -top], [head, shape.roof, -top], [last, shape.roof, -top], [last, shape.roof, -top]])
+    heads = np.array(
+        [
+            [head, shape.roof, -top],
+            [head, shape.roof, -top],
+            [last, shape.roof, -top],
+            [last, shape.roof, -top],
+        ]
+    )
     return feet, heads
 
 
@@ -222,7 +237,16 @@ def _top(shape: Shape) -> list[Mesh]:
 def _wheel(detail: float) -> tuple[Mesh, Mesh]:
     """Return a tire and its rim about the y axis, whose outer side is up."""
     slices, half = divisions(28, detail, 10), TIRE_WIDTH / 2
-    outline = [(0.20, -half), (0.30, -half), (TIRE, -0.6 * half), (TIRE, 0.6 * half), (0.30, half), (0.20, 0.92 * half)]
+    outline = [
+        (0.20, -half),
+        (0.30, -half),
+        (TIRE, -0.6 * half),
+        (TIRE, 0.6 * half),
+        (0.30, half),
+        (0.20, 0.92 * half),
+    ]
     tire = lathe(smooth_curve(outline, divisions(18, detail, 8)), slices)
-    rim = lathe([(0.205, 0.85 * half), (0.12, 0.70 * half), (0.05, 0.80 * half), (0.0, 0.82 * half)], slices)
+    rim = lathe(
+        [(0.205, 0.85 * half), (0.12, 0.70 * half), (0.05, 0.80 * half), (0.0, 0.82 * half)], slices
+    )
     return tire, rim
