@@ -138,7 +138,8 @@ class Catalog:
         ----------
         kind, name : str
         check : bool
-            Whether to load the file of a report, which is slow, and not only to parse it.
+            Whether to load the file of a report, which is slow, and not only to parse it; and to
+            build a scene, with little detail, for the names of its views.
 
         Raises
         ------

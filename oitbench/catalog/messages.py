@@ -22,7 +22,10 @@ class Resolve(Struct, frozen=True, tag=True):
 
 
 class Describe(Struct, frozen=True, tag=True):
-    """Asks for the entry of a plugin. Unless it is to be checked, a report is only parsed."""
+    """Asks for the entry of a plugin.
+
+    Unless it is to be checked, a report is only parsed, and no scene is built.
+    """
 
     kind: Kind
     name: str
@@ -61,6 +64,8 @@ class Entry(Struct, frozen=True, tag=True):
         Whether the quick preset includes it.
     promises, expresses : list of str
         Of a method with its default parameters.
+    views : list of str
+        Names of the views of a scene, if it was checked and can be built.
     error : str
         Why the plugin cannot be used, in one line; then nothing else is known.
     """
@@ -71,6 +76,7 @@ class Entry(Struct, frozen=True, tag=True):
     quick: bool = True
     promises: list[str] = []
     expresses: list[str] = []
+    views: list[str] = []
     error: str = ""
 
 

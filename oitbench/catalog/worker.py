@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import os
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 
 from oitbench.catalog.messages import (
@@ -18,11 +19,14 @@ from oitbench.catalog.messages import (
     Resolved,
 )
 from oitbench.effects import names
-from oitbench.errors import DeclarationError, locate
+from oitbench.errors import DeclarationError, OitbenchError, locate
 from oitbench.method.ablation import effects_axis
 from oitbench.places import Places
 from oitbench.plugins import Collection, installed_folder
 from oitbench.workers.serve import OnStep, serve
+
+_COARSE = 0.02
+"""Detail of a scene that is built for the names of its views alone."""
 
 
 def _begin(settings: Nothing, on_step: OnStep) -> Callable[[Request], Reply]:
@@ -53,7 +57,7 @@ def _describe(collection: Collection, request: Describe) -> Entry:
         if request.kind == "method":
             return _method(collection, request.name, path)
         if request.kind == "scene":
-            return _scene(collection, request.name, path)
+            return _scene(collection, request.name, path, request.check)
         return _report(collection, request.name, path, request.check)
     except DeclarationError as error:
         return Entry(request.name, error=str(error))
@@ -73,10 +77,16 @@ def _method(collection: Collection, name: str, path: Path) -> Entry:
     )
 
 
-def _scene(collection: Collection, name: str, path: Path) -> Entry:
+def _scene(collection: Collection, name: str, path: Path, check: bool) -> Entry:
     collection.places.scenes.add(name, path)
     scene = collection.scenes[name]
-    return Entry(name, _title(scene.doc), dict(scene.parameters), bool(scene.quick))
+    views: list[str] = []
+    if check:
+        with suppress(OitbenchError):
+            coarse = f"[detail={_COARSE:g}]" if "detail" in scene.parameters else ""
+            views = list(collection.build_scene(f"{name}{coarse}").view_names)
+    title = _title(scene.doc)
+    return Entry(name, title, dict(scene.parameters), bool(scene.quick), views=views)
 
 
 def _report(collection: Collection, name: str, path: Path, check: bool) -> Entry:

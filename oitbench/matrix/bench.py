@@ -171,7 +171,7 @@ class Bench:
         if contradiction and outcome is not None:
             record = record.suspect(contradiction)
         drawn = outcome is None or outcome.max_depth_complexity > 0
-        return record if drawn else _without_fragments(record, self.identities.scene(cell.scene))
+        return record if drawn else _without_fragments(record, self.identities.scene(cell))
 
     def _run(self, cell: Cell, method: Method) -> tuple[Outcome, str]:
         """Return what was measured, and why its numbers contradict each other, or ""."""
@@ -220,13 +220,13 @@ class Bench:
 
     def _prepare(self, cell: Cell) -> Stage:
         """Return the stage of the cell's scene, which is kept while its identity stays the same."""
-        wanted = (cell.scene, cell.size, cell.ssaa, cell.shading)
+        wanted = (cell.scene, cell.size, cell.ssaa, cell.shading, cell.view)
         stage = self._stage
         if stage is not None and stage.identity == wanted:
             return stage
         self.leave_scene()
         with self.watch.running("rendering"):
-            scene = self.identities.scene(cell.scene)
+            scene = self.identities.scene(cell)
             rows = cell.size[1] * cell.ssaa
             uploaded = UploadedScene(self.device, scene, cell.settings, rows)
         self._stage = Stage(*wanted, uploaded, self.collection.truth(), self._store)
@@ -300,7 +300,7 @@ class Bench:
             ]
             timings: list[Timing] = []
             if same:
-                scene = self.identities.scene(same[0].cell.scene)
+                scene = self.identities.scene(same[0].cell)
                 self._on_step(_TIMING)
                 timings = time_cells(self.device, self.collection, scene, same, schedule)
             found = dict(zip((scored.cell for scored in same), timings, strict=True))

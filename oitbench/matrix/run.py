@@ -205,4 +205,4 @@ def _time_all(
         for record in time_scene(scene, ask):
             store.append(record)
             if record.time is not None and record.time.block.disturbed:
-                summary.disturbed[record.scene] = record.time.block.foreign or 0.0
+                summary.disturbed[record.seen] = record.time.block.foreign or 0.0

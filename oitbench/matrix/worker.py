@@ -26,6 +26,7 @@ from oitbench.places import Places
 from oitbench.plugins import Collection
 from oitbench.results.schema import Fingerprints, Record, Renderer
 from oitbench.shading import read_shading
+from oitbench.views import MAIN
 from oitbench.workers.serve import OnStep, serve
 
 LIST, ALL = "list", "all"
@@ -75,6 +76,7 @@ class DrawPicture(Struct, frozen=True, tag=True):
     effects: str
     file: bytes
     shading: str = ""
+    view: str = MAIN
 
 
 class DrawTargets(Struct, frozen=True, tag=True):
@@ -88,6 +90,7 @@ class DrawTargets(Struct, frozen=True, tag=True):
     names: list[str]
     file: bytes
     shading: str = ""
+    view: str = MAIN
 
 
 class Greeting(Struct, frozen=True, tag=True):
@@ -173,7 +176,7 @@ def _opened(bench: Bench, request: DrawPicture | DrawTargets) -> Iterator[tuple[
     chosen = bench.collection.expand_methods([request.method])
     if len(chosen) != 1:
         raise UsageError(f"'{request.method}' selects {len(chosen)} methods; name one")
-    scene = bench.collection.build_scene(request.scene)
+    scene = bench.collection.build_scene(request.scene).from_view(request.view)
     running = choose_effects(request.effects, scene.effects) & chosen[0].shows
     fine = (request.size[0] * request.ssaa, request.size[1] * request.ssaa)
     check_size(bench.device, fine)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import re
 from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
@@ -20,11 +19,8 @@ from oitbench.scene.objects import FragmentLists, Object
 from oitbench.scene.paths import stereo
 from oitbench.scene.vectors import BLACK, RGB, Vector
 from oitbench.scene.view_meshes import ViewMesh
+from oitbench.views import EYES, MAIN, is_name
 
-MAIN = "main"
-"""Name of the view of `Scene.camera`."""
-EYES = ("left", "right")
-"""Names of the views of a stereo pair."""
 FAR = 100
 """Distance of the camera from the origin beside that to its target; see `Scene.near_origin`."""
 MOST_STOPS = 120
@@ -126,7 +122,7 @@ class Scene:
         )
         require(self.full_samples >= 0, f"{owner}: full_samples is negative; give 1 or more")
         for name in self.views:
-            usable = re.fullmatch(r"[a-z][a-z0-9_]*", name) is not None and name != MAIN
+            usable = is_name(name) and name != MAIN
             message = "use small letters, digits and underscores, and not main"
             require(usable, f"{owner}: no view can be named '{name}'; {message}")
         if self.lists is not None:
