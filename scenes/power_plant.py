@@ -172,7 +172,7 @@ def _vessels(detail: float) -> list[Part]:
         ((-9.5, 0.3, 5.6), 1.2, 16.0), ((-6.0, 0.3, 5.9), 0.85, 13.5),
         ((9.8, 0.3, -5.5), 1.4, 16.8),
         ((1.8, 0.3, 6.0), 1.5, 6.2), ((5.6, 0.3, 6.2), 1.2, 4.8), ((-2.2, 4.3, -2.0), 1.2, 6.8),
-        ((6.0, 4.3, -2.0), 1.25, 5.5), ((14.8, 0.0, -2.5), 2.3, 7.0), ((15.2, 0.0, 4.2), 2.3, 5.6),
+        ((6.0, 4.3, -2.0), 1.25, 5.5), ((14.8, 0.2, -2.5), 2.3, 7.0), ((15.2, 0.2, 4.2), 2.3, 5.6),
     )  # fmt: skip
     lying = (
         ((-2.0, 1.5, 2.0), 0.9, 6.5), ((5.5, 9.4, 2.0), 1.0, 7.0), ((-7.0, 9.3, -2.0), 0.9, 6.0),
@@ -192,16 +192,15 @@ def _vessels(detail: float) -> list[Part]:
 def _steel(detail: float) -> list[Part]:
     """Return the frame, its bracing, walkways and railings."""
     xs, zs = COLUMNS
-    feet = np.array([(x, 0.0, z) for x in xs for z in zs])
-    starts, ends = [feet], [np.add(feet, (0, FLOORS[-1] + 0.4, 0))]
-    for floor in FLOORS:
-        for z in zs:
-            starts.append(np.array([[x, floor - 0.15, z] for x in xs[:-1]]))
-            ends.append(starts[-1] + [4.0, 0, 0])
-        for x in xs:
-            starts.append(np.array([[x, floor - 0.15, z] for z in zs[:-1]]))
-            ends.append(starts[-1] + [0, 0, 4.0])
-    frame = beams(np.concatenate(starts), np.concatenate(ends), 0.22)
+    feet = np.array([(x, -0.1, z) for x in xs for z in zs])
+    lengthwise = np.array([(xs[0] - 0.3, y - 0.15, z) for y in FLOORS for z in zs])
+    across = np.array([(x, y - 0.22, zs[0] - 0.4) for y in FLOORS for x in xs])
+    # Widths and heights differ, so that no two faces lie in one plane.
+    frame = [
+        beams(feet, np.add(feet, (0, FLOORS[-1] + 0.5, 0)), 0.24),
+        beams(lengthwise, np.add(lengthwise, (xs[-1] - xs[0] + 0.6, 0, 0)), 0.20),
+        beams(across, np.add(across, (0, 0, zs[-1] - zs[0] + 0.8)), 0.17),
+    ]
     low = [(x, floor - 4, z) for x, floor, z in itertools.product(xs[::2], FLOORS, zs[::4])]
     bracing = [straight(np.array(low), np.add(low, (side * 4.0, 4.0, 0))) for side in (-1, 1)]
     bracing = [curves[np.abs(curves[:, 1, 0]) <= 12.0] for curves in bracing]
@@ -221,7 +220,7 @@ def _steel(detail: float) -> list[Part]:
     ]
     braces = tubes(np.concatenate(bracing), 0.08, divisions(7, detail**0.5, 4))
     return [
-        ("frame", frame, STEEL, 1.1),
+        ("frame", merge(frame), STEEL, 1.1),
         ("bracing", braces, STEEL, 1.1),
         ("walkways", merge([*decks, *stairs]), STEEL, 1.0),
         ("railings", merge(rails), RAIL, 1.6),

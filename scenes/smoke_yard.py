@@ -25,7 +25,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -48,6 +48,7 @@ from oitbench.modeling.props.vehicles import SEDAN, VAN, Shape, vehicle
 from oitbench.modeling.props.wire import mesh_fence
 from oitbench.modeling.surroundings import gradient_sky
 from oitbench.modeling.tubes import straight, tubes
+from oitbench.modeling.voxels import density
 from oitbench.parameters import Parameter
 from oitbench.scene import (
     RGB,
@@ -82,6 +83,8 @@ SKY = (
 FENCE, WALL, BACK = -3.6, -11.5, -16.0  # z of the fence, of the workshop's front and of its back
 ALBEDO = 0.96
 """Fraction of the light that a particle of smoke scatters."""
+LOW, HIGH, CELL = (-7.5, 0.0, -16.0), (6.0, 6.0, -3.0), 0.16  # the box of the smoke, meters
+DIMMEST = 0.3  # least light in the smoke's own shadow
 DRUM: Vector = (0.0, 0.0, -7.5)
 PLUME, DRIFT, VEIL = 6600, 250, 60
 """Numbers of particles: of the plume over the drum, of drifting smoke, and of a thin veil."""
@@ -134,41 +137,57 @@ def build(*, name: str, detail: float, alpha: float, seed: int) -> Scene:
     return Scene(name, CAMERA, objects, lights=(sun, gradient_sky(SKY)), full_samples=16)
 
 
+@dataclass(frozen=True, eq=False)
+class _Bank:
+    """Particles of one coverage: middles, (n, 3), and half their sides, (n,), in meters."""
+
+    name: str
+    centers: Floats
+    radii: Floats
+    material: Material
+
+
 def _smoke(random: np.random.Generator, detail: float, alpha: float) -> Iterator[Object]:
+    """Yield the smoke, which is darker where other smoke is toward the sun."""
+    banks = [*_banks(random, detail, alpha)]
+    sections = []
+    for bank in banks:
+        assert isinstance(bank.material.coverage, Texture)
+        thickness = -np.log1p(-bank.material.coverage.texels.astype(np.float64)).mean()
+        sections.append(thickness * (2 * bank.radii) ** 2)
+    centers = np.concatenate([bank.centers for bank in banks])
+    cloud = density(centers, np.concatenate(sections), LOW, HIGH, CELL).smoothed(CELL)
+    depth = cloud.integral_toward(SUNWARD)
+    for bank in banks:
+        lit = DIMMEST + (1 - DIMMEST) * np.exp(-0.7 * depth.at(bank.centers))
+        mesh = sprites(random, bank.centers, bank.radii, SUNWARD)
+        shaded = replace(mesh, albedos=np.repeat(lit[:, None], 3, axis=1))
+        yield Object(bank.name, shaded, bank.material, particles=True, receives_shadows=False)
+
+
+def _banks(random: np.random.Generator, detail: float, alpha: float) -> Iterator[_Bank]:
     """Yield the plume over the drum, the smoke that drifts away, and a veil over the yard."""
     nominal, foot = PLUME, np.add(DRUM, (0, 0.95, 0))
     count = copies(nominal, detail)
     age = random.random(count) ** 1.35
     path = np.stack([-2.5 * age**1.7, 2.5 * age**0.8, -0.2 * age**1.5], axis=1)
-    swirl = (
-        np.stack([np.sin(9 * age), 0 * age, np.cos(9 * age)], axis=1) * (0.06 + 0.22 * age)[:, None]
-    )
+    swirl = (0.06 + 0.22 * age) * [np.sin(9 * age), 0 * age, np.cos(9 * age)]
     spread = (0.05 + 0.18 * age)[:, None] * random.normal(size=(count, 3))
     radii = (0.065 + 0.17 * age) * random.uniform(0.8, 1.2, count)
-    mesh = sprites(random, foot + path + swirl + spread, radii, SUNWARD)
-    yield Object("plume", mesh, smoke(alpha, ALBEDO, nominal, count), particles=True)
-    for label, nominal, part, size in (("drift", DRIFT, 3.2, 0.60), ("veil", VEIL, 1.0, 1.1)):
-        count = copies(nominal, detail)
-        along = random.random(count)
-        if label == "drift":
-            middle = np.stack([-2.2 - 2.4 * along, 3.1 - 1.3 * along, -0.2 + 2.9 * along], axis=1)
-            centers = (
-                np.asarray(DRUM) * [1, 0, 1]
-                + middle
-                + (0.25 + 0.5 * along)[:, None] * random.normal(size=(count, 3)) * [1, 0.6, 1]
-            )
-        else:
-            centers = np.stack(
-                [
-                    random.uniform(-4.6, 4.6, count),
-                    0.9 + 1.5 * along**2,
-                    random.uniform(-14.5, -5.4, count),
-                ],
-                axis=1,
-            )
-        radii = np.minimum(size * random.uniform(0.75, 1.25, count), centers[:, 1] * 0.9)
-        mesh = sprites(random, centers, radii, SUNWARD)
-        yield Object(label, mesh, smoke(part * alpha, ALBEDO, nominal, count), particles=True)
+    puffs = smoke(alpha, ALBEDO, nominal, count)
+    yield _Bank("plume", foot + path + swirl.T + spread, radii, puffs)
+    count = copies(DRIFT, detail)
+    along = random.random(count)
+    path = np.stack([-2.2 - 2.4 * along, 3.1 - 1.3 * along, -0.2 + 2.9 * along], axis=1)
+    spread = (0.25 + 0.5 * along)[:, None] * random.normal(size=(count, 3)) * [1, 0.6, 1]
+    centers = np.multiply(DRUM, (1, 0, 1)) + path + spread
+    radii = np.minimum(0.60 * random.uniform(0.75, 1.25, count), 0.9 * centers[:, 1])
+    yield _Bank("drift", centers, radii, smoke(3.2 * alpha, ALBEDO, DRIFT, count))
+    count = copies(VEIL, detail)
+    height, across = 0.9 + 1.5 * random.random(count) ** 2, random.uniform(-4.6, 4.6, count)
+    centers = np.stack([across, height, random.uniform(-14.5, -5.4, count)], axis=1)
+    radii = np.minimum(1.1 * random.uniform(0.75, 1.25, count), 0.9 * height)
+    yield _Bank("veil", centers, radii, smoke(alpha, ALBEDO, VEIL, count))
 
 
 def _parked(detail: float) -> Iterator[Object]:

@@ -80,7 +80,9 @@ def railing(
     for start, end in itertools.pairwise(points):
         count = max(1, round(float(np.linalg.norm(end - start)) / pitch))
         feet.append(start + (end - start) * (np.arange(count)[:, None] / count))
-    posts = np.concatenate([*feet, points[-1:]])
+    if (points[0] != points[-1]).any():
+        feet.append(points[-1:])
+    posts = np.concatenate(feet)
     up = np.array([0.0, height, 0.0])
     rails = [straight(points[:-1] + part * up, points[1:] + part * up) for part in (0.52, 1.0)]
     return merge(
