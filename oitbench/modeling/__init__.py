@@ -9,6 +9,7 @@ profiles     outlines with rounded corners, from which meshes are turned
 solids       closed solids: turned or lofted
 detail       how the size of a mesh follows the parameter `detail`
 patterns     checkered surfaces
+sweeps       tubes along curves, cylinders, and plates cut from outlines
 surroundings environment lights: skies, and rooms with windows
 particles    clouds of soft particles: smoke
 baking       lighting baked into radiance at vertices
