@@ -39,6 +39,7 @@ EFFECTS = {
     "smoke_ball": GRAY | SHADOWED,
     "smoke_ball[cube=above]": GRAY | SHADOWED,
     "tumblers": REFRACTING,
+    "water_and_smoke": REFRACTING,
 }
 """The effects that each scene requests, and that its variants do."""
 CASES = sorted({*EFFECTS, *COLLECTION.scenes})
