@@ -10,6 +10,7 @@ chessmen     the six chess pieces
 glassware    drinking glasses, drinks and ice
 teapot       the Utah teapot
 leaves       plants of leaf cards
+furniture    tables, chairs, plates, pots and oil lamps
 engine_parts parts of a piston engine
 ============ ============================================================================
 
