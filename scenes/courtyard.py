@@ -30,7 +30,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from oitbench.modeling.detail import DETAIL, divisions
-from oitbench.modeling.mesh import grid, quad, slab
+from oitbench.modeling.mesh import grid, quad
 from oitbench.modeling.patterns import checkers
 from oitbench.modeling.placement import (
     merge,
@@ -41,21 +41,22 @@ from oitbench.modeling.placement import (
     transform,
     translation,
 )
-from oitbench.modeling.props.architecture import arch, column
+from oitbench.modeling.props.architecture import arcade
 from oitbench.modeling.props.furniture import (
     FLAME,
+    around_table,
     chair,
     cloth,
     oil_lamp,
     plate_of_china,
     pot,
-    ring_of,
     round_table,
 )
 from oitbench.modeling.props.glassware import wine_glass
 from oitbench.modeling.props.leaves import (
     Plant,
     blossom,
+    colored_cards,
     lance,
     leaf_mask,
     lobed,
@@ -67,6 +68,7 @@ from oitbench.modeling.sweeps import pipe
 from oitbench.parameters import Parameter
 from oitbench.scene import (
     RGB,
+    WHITE,
     Camera,
     DirectionalLight,
     Floats,
@@ -77,6 +79,7 @@ from oitbench.scene import (
     Scene,
     SpotLight,
     Vector,
+    as_vector,
     opposite,
     sample_density,
 )
@@ -103,7 +106,8 @@ TABLES = (
 )
 # Feet of the lamps that hang in the arches at the back.
 HOOKS = tuple((BAY * (place - 1.5), 2.3, BACK) for place in range(4))
-LAMP_AT = (0.0, TABLE_HEIGHT + 0.006, -0.04)  # on each table
+TABLE_TOP = TABLE_HEIGHT + 0.008  # of the plates and glasses on it
+SUNK = translation((0, -0.002, 0))  # the cloth is below them
 SUNWARD: Vector = (-0.50, 0.78, -0.38)
 SUN: RGB = (6.4, 4.7, 2.9)  # irradiance
 SKY = (
@@ -114,56 +118,55 @@ SKY = (
 )
 HAZE: RGB = (0.130, 0.108, 0.086)  # radiance that arrives in the haze from all sides
 
-FLAMES = Material(emission=(26.0, 13.0, 4.0))
 GLASS = Material(transmission=(0.98, 0.98, 0.98), index=1.5, roughness=0.0, solid=True)
 WINE = Material(transmission=(0.62, 0.05, 0.08), index=1.34, roughness=0.0, solid=True)
-FLUE = Material(transmission=(0.97, 0.97, 0.97), index=1.5, roughness=0.0)
 
 
-def _paint(albedo: RGB) -> Material:
-    return Material(albedo=albedo, specular=0.0)
+def _paint(*albedo: float) -> Material:
+    """Return a matte opaque paint."""
+    red, green, blue = albedo
+    return Material(albedo=(red, green, blue), specular=0.0)
 
 
-PLASTER, OCHRE = _paint((0.62, 0.36, 0.20)), _paint((0.66, 0.50, 0.30))
-STONE, PALE_TILES, RED_TILES = (
-    _paint((0.56, 0.50, 0.42)),
-    _paint((0.44, 0.36, 0.27)),
-    _paint((0.36, 0.17, 0.10)),
-)
-WOOD, LINEN, CHINA = (
-    _paint((0.24, 0.12, 0.06)),
-    _paint((0.80, 0.76, 0.68)),
-    _paint((0.78, 0.77, 0.74)),
-)
-CLAY, BRASS, BARK = (
-    _paint((0.52, 0.24, 0.13)),
-    _paint((0.42, 0.28, 0.10)),
-    _paint((0.20, 0.14, 0.09)),
-)
+PLASTER, OCHRE = _paint(0.62, 0.36, 0.20), _paint(0.66, 0.50, 0.30)
+STONE, CLAY, BARK = _paint(0.56, 0.50, 0.42), _paint(0.52, 0.24, 0.13), _paint(0.20, 0.14, 0.09)
+PALE_TILES, RED_TILES = _paint(0.44, 0.36, 0.27), _paint(0.36, 0.17, 0.10)
+# What is on the floor and on the tables, in the order of submission.
+LAID = {
+    "chairs": _paint(0.24, 0.12, 0.06),
+    "tables": _paint(0.22, 0.11, 0.06),
+    "cloths": _paint(0.80, 0.76, 0.68),
+    "plates": _paint(0.34, 0.44, 0.56),
+    "lamps": _paint(0.42, 0.28, 0.10),
+    "flames": Material(emission=(26.0, 13.0, 4.0)),
+    "flues": Material(transmission=(0.97, 0.97, 0.97), index=1.5, roughness=0.0),
+    "wine glasses": GLASS,
+    "wine": WINE,
+}
 GREENS = ((0.05, 0.15, 0.03), (0.16, 0.30, 0.06))
+PINKS = ((0.60, 0.03, 0.22), (0.72, 0.08, 0.34))
+# Name, center, half axes, shape of leaf, half its width and length, number, colors, hollow, droop.
+# fmt: off
 TREE = Plant(
     "tree", (-1.75, 3.35, -4.3), (1.75, 0.95, 1.5), ovate, (0.055, 0.10), 2200, GREENS, 0.15
 )
-PINKS = ((0.60, 0.03, 0.22), (0.72, 0.08, 0.34))
-# Name, center, half axes, shape of leaf, half its width and length, number, colors, hollow, droop.
-PLANTS = (
-    TREE,
-    Plant("vine", (3.95, 3.3, -5.6), (0.4, 1.0, 2.0), lobed, (0.08, 0.08), 800, GREENS, 0.3, 0.9),
-    Plant(
-        "creeper", (1.0, 3.85, -8.6), (2.9, 0.45, 0.3), lobed, (0.07, 0.07), 900, GREENS, 0.2, 0.9
-    ),
-    Plant(
-        "blossoms", (1.4, 3.75, -8.5), (2.6, 0.5, 0.3), blossom, (0.06, 0.06), 320, PINKS, 0.5, 0.6
-    ),
-    Plant(
-        "lily", (-3.9, 1.0, -4.0), (0.5, 0.55, 0.5), lance, (0.035, 0.26), 180, GREENS, 0.3, -0.4
-    ),
-    Plant("laurel", (3.4, 0.95, -5.6), (0.5, 0.52, 0.5), ovate, (0.05, 0.08), 420, GREENS, 0.4),
-    Plant(
-        "ivy", (-3.7, 0.72, -6.6), (0.45, 0.32, 0.45), lobed, (0.07, 0.07), 300, GREENS, 0.4, 0.9
-    ),
+POTTED = (
+    Plant("lily", (-3.9, 1, -4.0), (0.5, 0.55, 0.5), lance, (0.035, 0.26), 180, GREENS, 0.3, -0.4),
+    Plant("laurel", (3.4, 0.95, -5.6), (0.5, 0.5, 0.5), ovate, (0.05, 0.08), 420, GREENS, 0.4),
+    Plant("ivy", (-3.7, 0.72, -6.6), (0.45, 0.3, 0.45), lobed, (0.07, 0.07), 300, GREENS, 0.4, 0.9),
 )
-POTTED = ("lily", "laurel", "ivy")
+CLIMBING = (
+    Plant("vine", (3.85, 2.9, -7.0), (0.4, 0.9, 1.5), lobed, (0.08, 0.08), 800, GREENS, 0.3, 0.9),
+    Plant("creeper", (1, 3.85, -8.6), (2.9, 0.45, 0.3), lobed, (0.07, 0.07), 900, GREENS, 0.2, 0.9),
+    Plant("blossoms", (1.4, 3.75, -8.5), (2.6, 0.5, 0.3), blossom, (0.06, 0.06), 320, PINKS, 0.5),
+)
+# fmt: on
+VIEWS = {
+    "table": Camera(position=(0.42, 1.12, 1.12), target=(0.10, 0.86, 0.28), fov_y=math.radians(42)),
+    "tree": Camera(
+        position=(0.30, 1.50, -2.20), target=(-1.80, 3.00, -4.60), fov_y=math.radians(55)
+    ),
+}
 
 
 def build(*, name: str, detail: float, extinction: float, seed: int) -> Scene:
@@ -183,6 +186,7 @@ def build(*, name: str, detail: float, extinction: float, seed: int) -> Scene:
         camera=Camera(
             position=(0.50, 1.30, 1.80), target=(-0.22, 1.28, -3.0), fov_y=math.radians(50)
         ),
+        views=VIEWS,
         objects=(*_buildings(detail), *_tables(detail), *_plants(seed, detail)),
         lights=(DirectionalLight(opposite(SUNWARD), SUN), _lamplight(), gradient_sky(SKY)),
         medium=haze,
@@ -199,135 +203,96 @@ def _density(points: Floats) -> Floats:
 
 def _lamplight() -> SpotLight:
     """Return the light of the lamp on the nearest table, which shines on the glasses."""
-    flame = np.asarray(TABLES[0][0]) + np.asarray(LAMP_AT) + np.asarray(FLAME)
-    x, y, z = (float(part) for part in flame)
+    x, y, z = as_vector(np.add(TABLES[0][0], (0.0, TABLE_TOP + FLAME[1], 0.0)))
     return SpotLight((x, y, z), (x - 0.2, y - 0.12, z + 0.9), (0.55, 0.36, 0.16), math.radians(150))
 
 
 def _buildings(detail: float) -> tuple[Object, ...]:
-    """Return the tiled floor, two arcades under a wall, the walls behind them, and that on the right."""
+    """Return the tiled floor, two arcades, and the walls behind them and on the right."""
     wide, deep = RIGHT - LEFT + 4, FRONT - BACK + 4
-    middle = ((RIGHT + LEFT) / 2 - 1, 0.0, (FRONT + BACK) / 2 - 1)
-    floor = checkers(
-        middle, (wide / 2, 0, 0), (0, 0, -deep / 2), round(wide / TILE), round(deep / TILE)
-    )
-    segments = divisions(16, detail, 6)
-    bay = merge(
-        [
-            arch(BAY, BAY - 0.55, ARCH, 0.42, segments),
-            slab((-BAY / 2, ARCH, -0.21), (BAY / 2, ROOF - COLUMN, 0.21)),
-        ]
-    )
-    cornice = slab((-BAY / 2, ROOF - COLUMN, -0.3), (BAY / 2, ROOF - COLUMN + 0.14, 0.3))
-    support = column(COLUMN, 0.15, 0.5 * detail)
-    spots = {
-        "back": (translation((0, 0, BACK)), [BAY * (place - 1.5) for place in range(4)]),
-        "left": (
-            translation((LEFT, 0, BACK)) @ rotation((0, 1, 0), math.pi / 2),
-            [-BAY * (place + 0.5) for place in range(5)],
-        ),
-    }
-    plaster, stone = [], []
-    for matrix, middles in spots.values():
-        plaster.append(transform(repeated(bay, [(x, COLUMN, 0) for x in middles]), matrix))
-        stone.append(transform(repeated(cornice, [(x, COLUMN, 0) for x in middles]), matrix))
-        feet = [(x - BAY / 2, 0.003, 0.0) for x in middles]
-        stone.append(transform(repeated(support, feet), matrix))
-    back = grid((-1, 2, BACK - 2.4), (wide / 2, 0, 0), (0, 2.4, 0))
-    left = grid((LEFT - 2.4, 2, (FRONT + BACK) / 2 - 1), (0, 0, -deep / 2), (0, 2.4, 0))
-    right = grid((RIGHT, 2.4, (FRONT + BACK) / 2 - 1), (0, 0, deep / 2), (0, 2.8, 0))
+    x, z = (RIGHT + LEFT) / 2 - 1, (FRONT + BACK) / 2 - 1
+    across, along = (wide / 2, 0, 0), (0, 0, -deep / 2)
+    floor = checkers((x, 0, z), across, along, round(wide / TILE), round(deep / TILE))
+    aside = translation((LEFT, 0.003, BACK + 2.5 * BAY)) @ rotation((0, 1, 0), math.pi / 2)
+    places = ((4, translation((0, 0.002, BACK))), (5, aside))
+    walls, columns = [], []
+    for bays, place in places:
+        parts = arcade(bays, BAY, COLUMN, ARCH, ROOF, detail)
+        walls.append(transform(parts[0], place))
+        columns.append(transform(parts[1], place))
+    outer = [
+        grid((x, 2, BACK - 2.4), across, (0, 2.4, 0)),
+        grid((LEFT - 2.4, 2, z), along, (0, 2.4, 0)),
+        grid((RIGHT, 2.4, z), opposite(along), (0, 2.8, 0)),
+    ]
     return (
         Object("pale tiles", floor[0], PALE_TILES, casts=False),
         Object("red tiles", floor[1], RED_TILES, casts=False),
-        Object("arcades", merge(plaster), PLASTER),
-        Object("columns", merge(stone), STONE),
-        Object("walls", merge([back, left, right]), OCHRE, casts=False),
+        Object("arcades", merge(walls), PLASTER),
+        Object("columns", merge(columns), STONE),
+        Object("walls", merge(outer), OCHRE, casts=False),
     )
 
 
 def _tables(detail: float) -> tuple[Object, ...]:
-    """Return tables with cloths, chairs, plates, lamps, and glasses of wine."""
-    parts: dict[str, list[Mesh]] = {}
+    """Return laid tables, chairs and lamps."""
+    parts: dict[str, list[Mesh]] = {kind: [] for kind in LAID}
     vessel = wine_glass(0.042, 0.205, 0.0022)
     for number, (place, chairs, glasses, turn) in enumerate(TABLES):
         fine = detail * (0.4 if number == 0 else 0.12)
-        at = translation(place)
-        on_table = at @ translation((0, TABLE_HEIGHT + 0.006, 0))
-        lamp = oil_lamp(2 * fine).transformed(at @ translation(LAMP_AT))
-        found = {
-            "chairs": [
-                (chair(fine), at @ spot) for spot in _spots(TABLE_RADIUS + 0.32, chairs, turn)
-            ],
-            "tables": [
-                (
-                    round_table(TABLE_RADIUS, TABLE_HEIGHT, 0.6 * detail),
-                    at @ translation((0, 0.003, 0)),
-                )
-            ],
-            "cloths": [(cloth(TABLE_RADIUS + 0.012, 0.22, 9, 2 * fine), on_table)],
-            "plates": [
-                (plate_of_china(0.13, fine), on_table @ translation((0, 0.002, 0)) @ spot)
-                for spot in _spots(0.32, chairs, turn)
-            ],
-            "lamps": [(lamp.base, np.eye(4))],
-            "flames": [(lamp.flame, np.eye(4))],
-            "flues": [(lamp.flue, np.eye(4))],
-            "wine glasses": [
-                (vessel.glass(fine), on_table @ translation((0, 0.002, 0)) @ spot)
-                for spot in _spots(0.24, glasses, turn + 0.5)
-            ],
-            "wine": [
-                (vessel.filling(0.135, -0.0008, fine), on_table @ translation((0, 0.002, 0)) @ spot)
-                for spot in _spots(0.24, glasses, turn + 0.5)
-            ],
+        covers, seats = (around_table(reach, chairs, turn) for reach in (0.32, TABLE_RADIUS + 0.32))
+        drinks = around_table(0.24, glasses, turn + 0.5)
+        lamp = oil_lamp(2 * fine)
+        on_floor = {
+            "chairs": scatter(chair(fine), seats),
+            "tables": round_table(TABLE_RADIUS, TABLE_HEIGHT, 0.6 * detail),
         }
-        for kind, placed in found.items():
-            parts.setdefault(kind, []).extend(transform(mesh, matrix) for mesh, matrix in placed)
+        on_table = {
+            "cloths": transform(cloth(TABLE_RADIUS + 0.012, 0.22, 9, 2 * fine), SUNK),
+            "plates": scatter(plate_of_china(0.13, fine), covers),
+            "wine glasses": scatter(vessel.glass(fine), drinks),
+            "wine": scatter(vessel.filling(0.135, -0.0008, fine), drinks),
+            "lamps": lamp.base,
+            "flames": lamp.flame,
+            "flues": lamp.flue,
+        }
+        for level, meshes in ((0.003, on_floor), (TABLE_TOP, on_table)):
+            for kind, mesh in meshes.items():
+                parts[kind].append(transform(mesh, translation((place[0], level, place[2]))))
     for hook in HOOKS:
-        at = translation(hook)
-        lamp = oil_lamp(0.2 * detail).transformed(at @ scaling((1.6, 1.6, 1.6)))
-        parts["lamps"] += [lamp.base, pipe([hook, np.add(hook, (0, 0.9, 0))], 0.012, 2, 4)]
+        lamp = oil_lamp(0.2 * detail).transformed(translation(hook) @ scaling((1.6, 1.6, 1.6)))
+        parts["lamps"] += [
+            lamp.base,
+            pipe([hook, as_vector(np.add(hook, (0, 0.9, 0)))], 0.012, 2, 4),
+        ]
         parts["flames"].append(lamp.flame)
         parts["flues"].append(lamp.flue)
-    materials = {
-        "chairs": WOOD, "tables": WOOD, "cloths": LINEN, "plates": CHINA, "lamps": BRASS,
-        "flames": FLAMES, "flues": FLUE, "wine glasses": GLASS, "wine": WINE,
-    }  # fmt: skip
     return tuple(
-        Object(kind, merge(parts[kind]), material, priority=int(material is GLASS))
-        for kind, material in materials.items()
+        Object(
+            kind,
+            merge(parts[kind]),
+            material,
+            casts=kind != "flames",  # the light of a lamp comes from the middle of its flame
+            priority=int(material is GLASS),
+        )
+        for kind, material in LAID.items()
     )
-
-
-def _spots(radius: float, count: int, turn: float) -> Iterator[Floats]:
-    """Yield matrices that place things around a table, turned towards its middle."""
-    for place, angle in ring_of(radius, count, turn):
-        yield translation(place) @ rotation((0, 1, 0), angle)
 
 
 def _plants(seed: int, detail: float) -> Iterator[Object]:
-    """Yield the trunk of the tree, pots, and the leaves of all plants, an object for each color."""
+    """Yield the trunk of the tree, the pots, and the leaves of each plant."""
     x, _, z = TREE.center
-    boughs = [
-        [(x, 2.2, z), (x + dx, 2.8, z + dz), (x + 2 * dx, 3.5, z + 1.6 * dz)]
-        for dx, dz in ((-0.4, 0.2), (0.4, -0.3), (0.1, 0.45))
-    ]
     sides = divisions(12, detail, 5)
     wood = [pipe([(x + 0.1, -0.02, z), (x - 0.05, 1.2, z), (x, 2.6, z)], 0.11, 8, sides)]
-    wood += [pipe(bough, 0.05, 6, sides) for bough in boughs]
+    for dx, dz in ((-0.4, 0.2), (0.4, -0.3), (0.1, 0.45)):
+        bough = [(x, 2.2, z), (x + dx, 2.8, z + dz), (x + 2 * dx, 3.5, z + 1.6 * dz)]
+        wood.append(pipe(bough, 0.05, 6, sides))
     yield Object("trunk", merge(wood), BARK)
-    spots = [plant.center for plant in PLANTS if plant.name in POTTED]
-    yield Object(
-        "pots",
-        merge([transform(pot(0.3, 0.46, detail), translation((a, 0.003, c))) for a, _, c in spots]),
-        CLAY,
-    )
+    spots = [(plant.center[0], 0.003, plant.center[2]) for plant in POTTED]
+    yield Object("pots", repeated(pot(0.3, 0.46, detail), spots), CLAY)
     card = quad((0, 0, 0), (1, 0, 0), (0, 1, 0))
-    for stream, plant in enumerate(PLANTS):
+    for stream, plant in enumerate((TREE, *POTTED, *CLIMBING)):
         leaves = place_leaves(plant, np.random.default_rng([seed, stream]), detail)
         mask = leaf_mask(plant.shape)
-        shades = np.round(leaves.shades * (len(plant.colors) - 1)).astype(int)
-        for number, color in enumerate(plant.colors):
-            material = Material(coverage=mask, albedo=color, specular=0.0, binary_coverage=True)
-            mesh = scatter(card, leaves.placements[shades == number])
-            yield Object(f"{plant.name} {number}", mesh, material)
+        material = Material(coverage=mask, albedo=WHITE, specular=0.0, binary_coverage=True)
+        yield Object(plant.name, colored_cards(card, leaves, plant), material)

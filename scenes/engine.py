@@ -92,10 +92,8 @@ PAINTS: dict[str, tuple[float, RGB]] = {
     "hoses": (0.64, (0.02, 0.02, 0.025)),
     "bolts": (0.85, (0.14, 0.145, 0.16)),
 }
-VIEWS = {
-    "main": Camera(position=(-790, 640, 900), target=(14, 136, 20), fov_y=math.radians(31)),
-    "rear": Camera(position=(830, 420, -920), target=(-14, 138, 0), fov_y=math.radians(31)),
-}
+CAMERA = Camera(position=(-790, 640, 900), target=(14, 136, 20), fov_y=math.radians(31))
+REAR_VIEW = Camera(position=(830, 420, -920), target=(-14, 138, 0), fov_y=math.radians(31))
 
 
 def build(*, name: str, detail: float) -> Scene:
@@ -113,7 +111,8 @@ def build(*, name: str, detail: float) -> Scene:
     )
     return Scene(
         name=name,
-        camera=VIEWS["main"],
+        camera=CAMERA,
+        views={"rear": REAR_VIEW},
         objects=objects,
         lights=(_studio(),),
         meters_per_unit=0.001,

@@ -140,7 +140,7 @@ def build(*, name: str, detail: float, alpha: float, seed: int) -> Scene:
         objects=(
             *_room(),
             *_panes(),
-            *_smoke(streams[0], alpha, detail, camera),
+            *_smoke(streams[0], alpha, detail),
             *_tank(streams[1], streams[2], detail),
             *_tumbler(detail),
         ),
@@ -174,9 +174,7 @@ def _panes() -> tuple[Object, ...]:
     return tuple(objects)
 
 
-def _smoke(
-    random: np.random.Generator, alpha: float, detail: float, camera: Camera
-) -> tuple[Object, ...]:
+def _smoke(random: np.random.Generator, alpha: float, detail: float) -> tuple[Object, ...]:
     """Return the burner, and the smoke that drifts from it behind the tank."""
     count = copies(PARTICLES, detail)
     path: Floats = smooth_curve(PLUME, 200)
@@ -185,7 +183,7 @@ def _smoke(
     reach = np.interp(along, [0, 1], SPREAD)[:, None]
     away = reach * random_directions(random, count) * random.random((count, 1)) ** 0.5
     radii = np.interp(along, [0, 1], PARTICLE_RADII) * random.uniform(0.8, 1.2, count)
-    wreaths = sprites(random, middle + away, radii, camera, LAMP.position)
+    wreaths = sprites(random, middle + away, radii, LAMP.position)
     bowl = [(0, 0), (0.30, 0), (0.30, 0.05), (0.10, 0.12), (0.10, 0.22), (0.36, 0.42), (0.40, 0.62)]
     bowl += [(0.36, 0.62), (0.20, 0.40), (0, 0.36)]
     profile = smooth_curve(bowl, divisions(40, detail, 12))

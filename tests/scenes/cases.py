@@ -19,6 +19,7 @@ EFFECTS = {
     "caustic_spheres": REFRACTING,
     "chess": REFRACTING,
     "clouds": GRAY | Effect.TRANSLUCENT_SHADOWS,
+    "courtyard": REFRACTING | Effect.VOLUME,
     "engine": GRAY,
     "foggy_street": GRAY | SHADOWED | Effect.DIFFUSION | Effect.VOLUME,
     "foggy_street[collimation=1]": GRAY | SHADOWED | Effect.VOLUME,

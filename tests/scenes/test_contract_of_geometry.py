@@ -27,6 +27,7 @@ from tests.scenes.helpers import (
 
 GLOWING = {
     "chess": {"windows"},
+    "courtyard": {"flames"},
     "foggy_street": {"bulbs", "warm windows", "cool windows"},
     "frosted_door": {"far window"},
 }
@@ -36,11 +37,16 @@ FADING_GROUND = ("bottles",)
 """Scenes whose rough reflections need a sky without an edge."""
 """Scenes outdoors, or on a large table, that have a sky."""
 ROOMS = (
-    "chess", "foggy_street", "foliage", "frosted_door", "frosted_panes", "light_shafts",
-    "water_and_smoke",
+    "chess", "courtyard", "foggy_street", "foliage", "frosted_door", "frosted_panes",
+    "light_shafts", "water_and_smoke",
 )  # fmt: skip
 """Scenes with walls that cast no shadow."""
-LEAST_IN_VIEW = {"foliage": 0.98, "smoke_and_glass": 0.8, "water_and_smoke": 0.95}
+LEAST_IN_VIEW = {
+    "courtyard": 0.85,
+    "foliage": 0.98,
+    "smoke_and_glass": 0.8,
+    "water_and_smoke": 0.95,
+}
 """Fraction of each transparent object's vertices in the picture; 1 for other scenes."""
 FREE_OF_NEAR_PLANE = ("fragment_lists", "layer_stack")
 """Scenes without geometry, or whose layers begin at a distance that is a parameter."""

@@ -12,10 +12,10 @@ import numpy as np
 
 from oitbench.modeling.detail import divisions
 from oitbench.modeling.mesh import lathe, slab, sphere
-from oitbench.modeling.placement import merge, scaling, transform, translation
+from oitbench.modeling.placement import merge, rotation, scaling, transform, translation
 from oitbench.modeling.profiles import Corner, outline
 from oitbench.modeling.solids import turned
-from oitbench.modeling.sweeps import circle, pipe, tube
+from oitbench.modeling.sweeps import pipe, tube
 from oitbench.scene import Floats, Mesh, Vector
 
 TURNED = 40
@@ -169,14 +169,12 @@ def oil_lamp(detail: float) -> OilLamp:
     )
 
 
-def ring_of(radius: float, count: int, turn: float = 0.0) -> list[tuple[Vector, float]]:
-    """Return `count` places around the origin, each with the turn that faces the origin from +z.
+def around_table(radius: float, count: int, turn: float) -> Floats:
+    """Return frames for `scatter` of `count` things on a circle that look at its middle.
 
-    The first place is at `turn` radians about the y axis from +z.
+    The first stands `turn` radians about the y axis from +z. Shape (count, 3, 4).
     """
-    places = []
-    for x, z in circle(radius, count):
-        angle = math.atan2(x, z) + turn
-        place = (radius * math.sin(angle), 0.0, radius * math.cos(angle))
-        places.append((place, angle + math.pi))
-    return places
+    angles = turn + np.arange(count) / count * 2 * math.pi
+    turned_by = (rotation((0, 1, 0), angle) @ translation((0, 0, radius)) for angle in angles)
+    facing = rotation((0, 1, 0), math.pi)
+    return np.stack([(matrix @ facing)[:3] for matrix in turned_by])
