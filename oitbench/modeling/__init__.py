@@ -12,6 +12,7 @@ patterns     checkered surfaces
 sweeps       tubes along curves, cylinders, and plates cut from outlines
 surroundings environment lights: skies, and rooms with windows
 particles    clouds of soft particles: smoke
+flames       light that is added: flames and sparks
 baking       lighting baked into radiance at vertices
 props        ready-made objects that scenes share, one module for each kind
 ============ ============================================================================

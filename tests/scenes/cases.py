@@ -31,6 +31,8 @@ EFFECTS = {
     "frosted_door[collimation=1]": GRAY | SHADOWED,
     "frosted_panes": GRAY | SHADOWED | Effect.DIFFUSION,
     "glass_bars": COLORED,
+    "glow": COLORED_CASTERS,
+    "glow[opacity=1]": COLORED_CASTERS,
     "layer_stack": GRAY,
     "layer_stack[transmission=gray]": GRAY,
     "layer_stack[transmission=colored]": COLORED,

@@ -30,6 +30,13 @@ GLOWING = {
     "courtyard": {"flames"},
     "foggy_street": {"bulbs", "warm windows", "cool windows"},
     "frosted_door": {"far window"},
+    "glow": {
+        "coals",
+        "embers",
+        "flames 0",
+        "flames 1",
+        *(f"{part} {letter}" for part in ("neon", "halo") for letter in "OIT"),
+    },
 }
 """The objects that emit light in scenes with a directional or a spot light."""
 HIDING_GROUND = ("shadow_trio", "smoke_and_glass", "smoke_ball")
@@ -38,7 +45,7 @@ FADING_GROUND = ("bottles",)
 """Scenes outdoors, or on a large table, that have a sky."""
 ROOMS = (
     "chess", "courtyard", "foggy_street", "foliage", "frosted_door", "frosted_panes",
-    "light_shafts", "water_and_smoke",
+    "glow", "light_shafts", "water_and_smoke",
 )  # fmt: skip
 """Scenes with walls that cast no shadow."""
 LEAST_IN_VIEW = {
