@@ -148,7 +148,7 @@ PINKS = ((0.60, 0.03, 0.22), (0.72, 0.08, 0.34))
 # Name, center, half axes, shape of leaf, half its width and length, number, colors, hollow, droop.
 # fmt: off
 TREE = Plant(
-    "tree", (-1.75, 3.35, -4.3), (1.75, 0.95, 1.5), ovate, (0.055, 0.10), 2200, GREENS, 0.15
+    "tree", (-1.75, 3.35, -4.3), (1.75, 0.95, 1.5), ovate, (0.05, 0.09), 3600, GREENS, 0.15
 )
 POTTED = (
     Plant("lily", (-3.9, 1, -4.0), (0.5, 0.55, 0.5), lance, (0.035, 0.26), 180, GREENS, 0.3, -0.4),
@@ -156,8 +156,9 @@ POTTED = (
     Plant("ivy", (-3.7, 0.72, -6.6), (0.45, 0.3, 0.45), lobed, (0.07, 0.07), 300, GREENS, 0.4, 0.9),
 )
 CLIMBING = (
-    Plant("vine", (3.85, 2.9, -7.0), (0.4, 0.9, 1.5), lobed, (0.08, 0.08), 800, GREENS, 0.3, 0.9),
-    Plant("creeper", (1, 3.85, -8.6), (2.9, 0.45, 0.3), lobed, (0.07, 0.07), 900, GREENS, 0.2, 0.9),
+    Plant("vine", (3.85, 2.9, -7.0), (0.4, 0.9, 1.5), lobed, (0.08, 0.08), 1200, GREENS, 0.3, 0.9),
+    Plant("bough", (1.0, 1.86, 0.05), (0.62, 0.2, 0.4), ovate, (0.028, 0.055), 360, GREENS, 0, 0.7),
+    Plant("creeper", (1, 3.85, -8.6), (2.9, 0.45, 0.3), lobed, (0.07, 0.07), 990, GREENS, 0.2, 0.9),
     Plant("blossoms", (1.4, 3.75, -8.5), (2.6, 0.5, 0.3), blossom, (0.06, 0.06), 320, PINKS, 0.5),
 )
 # fmt: on

@@ -49,7 +49,7 @@ ROOMS = (
 )  # fmt: skip
 """Scenes with walls that cast no shadow."""
 LEAST_IN_VIEW = {
-    "courtyard": 0.85,
+    "courtyard": 0.75,
     "foliage": 0.98,
     "smoke_and_glass": 0.8,
     "water_and_smoke": 0.95,

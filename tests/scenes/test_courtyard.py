@@ -9,7 +9,7 @@ from oitbench.scene.texturing import constant
 from tests.meshes import bounds, count_hits, hits
 from tests.scenes.helpers import build, center, named, view_rays
 
-PLANTS = ("tree", "vine", "creeper", "blossoms", "lily", "laurel", "ivy")
+PLANTS = ("tree", "bough", "vine", "creeper", "blossoms", "lily", "laurel", "ivy")
 
 
 def test_wine_reaches_into_its_glass() -> None:
