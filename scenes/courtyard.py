@@ -205,7 +205,7 @@ def _density(points: Floats) -> Floats:
 def _lamplight() -> SpotLight:
     """Return the light of the lamp on the nearest table, which shines on the glasses."""
     x, y, z = as_vector(np.add(TABLES[0][0], (0.0, TABLE_TOP + FLAME[1], 0.0)))
-    return SpotLight((x, y, z), (x - 0.2, y - 0.12, z + 0.9), (0.55, 0.36, 0.16), math.radians(150))
+    return SpotLight((x, y, z), (x - 0.2, y - 0.12, z + 0.9), (0.55, 0.36, 0.16), math.radians(130))
 
 
 def _buildings(detail: float) -> tuple[Object, ...]:
@@ -231,7 +231,7 @@ def _buildings(detail: float) -> tuple[Object, ...]:
         Object("red tiles", floor[1], RED_TILES, casts=False),
         Object("arcades", merge(walls), PLASTER),
         Object("columns", merge(columns), STONE),
-        Object("walls", merge(outer), OCHRE, casts=False),
+        Object("walls", merge(outer), OCHRE),
     )
 
 
