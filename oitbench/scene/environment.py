@@ -61,7 +61,7 @@ def weighted_means(texels: Floats, weight: Callable[[Floats], Floats]) -> Floats
         Rows run from straight up to straight down, both included. Columns begin straight ahead (−z)
         and run to the right.
     """
-    return tables_of_means(texels, [weight])[0]
+    return np.asarray(tables_of_means(texels, [weight])[0])
 
 
 def tables_of_means(texels: Floats, weights: Iterable[Callable[[Floats], Floats]]) -> Floats:
@@ -70,7 +70,7 @@ def tables_of_means(texels: Floats, weights: Iterable[Callable[[Floats], Floats]
         nodes = NODES, 2 * (NODES - 1), 3
         return np.asarray([np.broadcast_to(texels[0, 0], nodes) for _ in weights])
     flux = _flux(texels)
-    return np.stack([_table_of_means(flux, weight) for weight in weights])
+    return np.asarray(np.stack([_table_of_means(flux, weight) for weight in weights]))
 
 
 def _table_of_means(flux: Floats, weight: Callable[[Floats], Floats]) -> Floats:
