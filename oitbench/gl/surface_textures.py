@@ -140,7 +140,7 @@ class SurfaceTextures(Owner):
 
 def surface_key(item: Object) -> Hashable:
     """Return a key that objects share whose surfaces have the same numbers."""
-    return id(item.material), item.casts, item.receives_shadows
+    return id(item.material), item.casts, item.receives_shadows, item.opaque
 
 
 def upload_surfaces(device: Device, objects: Sequence[Object]) -> moderngl.Texture:

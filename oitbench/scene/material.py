@@ -186,6 +186,8 @@ class Material:
     def tints(self) -> bool:
         """Whether the transmitted fraction may differ between channels."""
         transmission, albedo = self.transmission, self.albedo
+        if transmission == BLACK:
+            return False
         if isinstance(transmission, Texture) or isinstance(albedo, Texture):
             return not (_is_gray(transmission) and _is_gray(albedo))
         red, green, blue = (t * (1 - k) for t, k in zip(transmission, albedo, strict=True))

@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from oitbench.scene.checks import require, require_finite, require_fractions, require_light
 from oitbench.scene.material import TEXTURED, Material, Texture
-from oitbench.scene.vectors import Array, Floats, Vector
+from oitbench.scene.vectors import BLACK, Array, Floats, Vector
 
 _NEAR_ONE = 0.02
 """Error of a normal's length that is allowed; normals of 8 bits are off by less."""
@@ -113,7 +113,7 @@ class Mesh:
     @property
     def vertices(self) -> dict[str, Array]:
         """All arrays of vertices that the mesh has beside positions, by name."""
-        names = {field.name for field in fields(self)} - {"positions", "triangles"}
+        names = {field.name for field in fields(Mesh)} - {"positions", "triangles"}
         found = {name: getattr(self, name) for name in sorted(names)}
         return {name: values for name, values in found.items() if values is not None}
 
@@ -194,6 +194,8 @@ class Object:
     @property
     def tints(self) -> bool:
         """Whether the transmitted fraction may differ between channels."""
+        if self.material.transmission == BLACK:
+            return False
         factors = self.mesh.albedo, self.mesh.transmission
         gray = all(one is None or bool((one == one[:, :1]).all()) for one in factors)
         return not gray or self.material.tints

@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from oitbench.scene.camera import Camera
-from oitbench.scene.checks import require, require_finite, require_light
+from oitbench.scene.checks import require, require_finite, require_fractions, require_light
 from oitbench.scene.objects import Mesh
 from oitbench.scene.vectors import Array, Floats, Vector, unit
 
@@ -93,6 +93,8 @@ class Sprites(ViewMesh):
         Direction to a light. Squares are then perpendicular to the vector halfway between it and
         the direction to the camera, so that neither sees them edge-on. Squares that face the camera
         alone cast almost no shadow from above.
+    albedos : array, shape (n, 3), optional
+        Factor on the material's albedo for each square, in [0, 1]. Default: one.
 
     Raises
     ------
@@ -108,6 +110,7 @@ class Sprites(ViewMesh):
     radii: npt.ArrayLike
     turns: npt.ArrayLike = 0.0
     toward_light: Vector | None = None
+    albedos: npt.ArrayLike | None = None
 
     def __post_init__(self) -> None:
         centers = np.asarray(self.centers, dtype=np.float64)
@@ -123,6 +126,11 @@ class Sprites(ViewMesh):
         if self.toward_light is not None:
             require_finite("sprites", toward_light=self.toward_light)
             require(any(self.toward_light), "sprites: toward_light has no length")
+        if self.albedos is not None:
+            found = np.asarray(self.albedos, dtype=np.float32)
+            require(found.shape == (count, 3), f"sprites: albedos must be ({count}, 3)")
+            require_fractions("sprites", albedos=found)
+            object.__setattr__(self, "albedos", found)
 
     def for_view(self, camera: Camera, pixel_height: int) -> Mesh:
         """Return the squares as a camera sees them; see `ViewMesh.for_view`."""
@@ -139,6 +147,7 @@ class Sprites(ViewMesh):
             triangles.reshape(-1, 3),
             uvs=np.tile((_CORNERS + 1) / 2, (count, 1)),
             normals=np.repeat(unit(np.cross(rights, ups)), 4, axis=0),
+            albedo=None if self.albedos is None else np.repeat(self.albedos, 4, axis=0),
         )
 
     def relocated(self, origin: Vector, scale: float) -> Sprites:

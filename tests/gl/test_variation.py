@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from oitbench.gl.device import Device
+from oitbench.gl.surface_textures import surface_key
 from oitbench.gl.uploaded_scene import UploadedScene
 from oitbench.modeling.mesh import quad
 from oitbench.scene import (
@@ -47,6 +48,13 @@ KINDS: dict[str, tuple[Material, dict[str, Any], set[str]]] = {
     ),
 }  # fmt: skip
 ALL = set[str]().union(*(names for _, _, names in KINDS.values()))
+
+
+def test_objects_of_one_material_are_told_apart_by_what_light_passes() -> None:
+    paper = Material(**LIT)
+    faded = replace(FLAT, coverage=np.zeros(4, np.float32))
+    one, same, other = (Object("x", mesh, paper) for mesh in (FLAT, FLAT, faded))
+    assert surface_key(one) == surface_key(same) != surface_key(other)
 
 
 @pytest.mark.parametrize("kind", KINDS)
