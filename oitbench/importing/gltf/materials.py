@@ -176,12 +176,12 @@ class _Reader:
             roughness = roughness * fractions(layer.pixels[..., 1:2])
         passing = self._passing()
         base, metallic, passing = same_size(base, metallic, passing)
-        passing = passing * (1 - metallic)
         shared = base.min(axis=-1, keepdims=True)
         mirrored = float((metallic * shared).mean() / max(float(metallic.mean()), 1e-6))
         rest = np.maximum(base - mirrored, 0)
-        albedo = base * (1 - metallic) * (1 - passing) + metallic * rest
-        passes = bool(passing.any())
+        plain = base * (1 - metallic)
+        albedo = plain * (1 - passing) + metallic * rest
+        passes = bool((passing * (1 - metallic)).any())
         index = self._index()
         specular = self._specular(index, metallic, mirrored)
         if bool((metallic * rest > _GRAY).any()):
@@ -200,7 +200,7 @@ class _Reader:
             return self._finished(material, None)
         if roughness.size > 1 and index > 1:
             self._notes.add("the blur of glass follows its mean roughness", self._name)
-        tint = transmission_of(base * (1 - metallic), passing)
+        tint = transmission_of(plain * passing, albedo)
         glass = replace(
             material,
             transmission=self._canvas().color(tint),
