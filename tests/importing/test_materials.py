@@ -216,7 +216,16 @@ def test_an_open_volume_is_a_sheet_of_its_thickness(tmp_path: Path) -> None:
     assert not found.solid
     assert found.transmission == pytest.approx((1, 0.25 ** (0.5 / 2), 1))
     (note,) = imported.notes
-    assert note.startswith("a volume that its mesh does not enclose")
+    assert note.startswith("a volume is a thin sheet if")
+    # Thickness is a length of the mesh, and the distance of attenuation one of the world.
+    gltf.document["nodes"][0]["scale"] = [3, 3, 3]
+    assert gltf.one(tmp_path).material.transmission == pytest.approx((1, 0.25 ** (3 * 0.5 / 2), 1))
+    image = gltf.picture([[[255, 255, 255], [0, 0, 0]]])
+    described = gltf.document["materials"][0]["pbrMetallicRoughness"]
+    described["baseColorTexture"] = {"index": image}
+    part = gltf.document["meshes"][0]["primitives"][0]
+    part["attributes"]["TEXCOORD_0"] = gltf.array(np.zeros((8, 2)))
+    close(gltf.one(tmp_path).mesh.transmission, [[1, 0.25 ** (3 * 0.5 / 2), 1]] * 8)
     gltf = Gltf()
     gltf.solid(volume(thicknessFactor=0))
     assert gltf.one(tmp_path).material.transmission == (1, 1, 1)
