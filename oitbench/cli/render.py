@@ -72,9 +72,10 @@ def command(
     memory_gib: float | None,
     collections: tuple[Path, ...],
 ) -> None:
-    """Render SCENE with METHOD. Both are NAME[param=v]; METHOD can also be a folder.
+    """Render SCENE with METHOD. Both are NAME[param=v].
 
-    Several views go to FILE@NAME.
+    SCENE can also be a .glb, .gltf, .obj or .ply file, and METHOD a folder. Several views go to
+    FILE@NAME.
     """
     from oitbench.image import files as images
     from oitbench.matrix import picture

@@ -32,7 +32,8 @@ _WIDE = 200
     "--scene",
     "scenes",
     multiple=True,
-    help="NAME[param=v,w]. Repeatable. Default: all of the preset.",
+    help="NAME[param=v,w], or a .glb, .gltf, .obj or .ply file. Repeatable."
+    " Default: all of the preset.",
 )
 @click.option(
     "--method",

@@ -10,14 +10,13 @@ PLASTIC = 0.04
 """Reflectance F₀ of a dielectric that states none: that of the refractive index 1.5."""
 
 
-def transmission_of(base: Array, part: Array) -> Array:
-    """Return T and that a surface scatters the rest: of the base color b, the part p passes.
+def transmission_of(passed: Array, albedo: Array) -> Array:
+    """Return T of a surface of which a part of the light passes, per channel.
 
-    A file means the transmittance b·p and the albedo k = b·(1 − p), per channel. As oitbench
-    transmits T·(1 − k), T is b·p / (1 − b·(1 − p)), which is never above 1.
+    A file means the transmittance bp and the albedo k = b(1 − p) of a base color b and a part p. As
+    oitbench transmits T(1 − k), T is bp/(1 − k), which is never above 1.
     """
-    scattered = base * (1 - part)
-    return np.asarray(np.minimum(base * part / np.maximum(1 - scattered, 1e-6), 1))
+    return np.asarray(np.minimum(passed / np.maximum(1 - albedo, 1e-6), 1))
 
 
 def collimation_of(roughness: float, index: float) -> float:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import numpy.typing as npt
 
@@ -63,6 +65,21 @@ def compact(positions: Floats, triangles: Indices) -> tuple[Indices, Indices]:
     if used.all():
         return np.arange(len(positions)), triangles
     return np.flatnonzero(used), (np.cumsum(used) - 1)[triangles]
+
+
+def distinct_rows(table: Indices) -> tuple[Indices, Indices]:
+    """Return the distinct rows of a table in order, and the number of each row among them."""
+    low = table.min(axis=0)
+    spans = [int(span) + 1 for span in table.max(axis=0) - low]
+    if math.prod(spans) >= 2**62:
+        rows, numbers = np.unique(table, axis=0, return_inverse=True)
+        return rows, numbers.reshape(-1)
+    # One number for each row sorts much faster.
+    keys = np.zeros(len(table), dtype=np.int64)
+    for column, span in enumerate(spans):
+        keys = keys * span + (table[:, column] - low[column])
+    _, first, numbers = np.unique(keys, return_index=True, return_inverse=True)
+    return table[first], numbers
 
 
 def moved(

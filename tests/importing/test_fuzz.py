@@ -67,6 +67,8 @@ def test_damaged_files_give_a_scene_or_one_clear_line(kind: str, tmp_path: Path)
         lines = {attempt(write_all(tmp_path, mutated(kind, files, random_))) for _ in range(EACH)}
     finally:
         resource.setrlimit(resource.RLIMIT_DATA, limits)
+    # Nothing came near the limit of memory.
+    assert not [line for line in lines if "more memory" in line]
     # Some survive, and the others fail in many ways.
     assert "" in lines
     assert len(lines) > 15

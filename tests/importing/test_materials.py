@@ -173,7 +173,8 @@ def test_unlit_surfaces_only_emit(tmp_path: Path) -> None:
 @pytest.mark.parametrize("part", [0.0, 0.25, 1.0])
 def test_transmission_keeps_the_transmittance_of_the_file(part: float) -> None:
     base = np.array([0.0, 0.3, 1.0], dtype=np.float32)
-    tint = transmission_of(base, np.array([part], dtype=np.float32))
+    albedo = base * np.float32(1 - part)
+    tint = transmission_of(base * np.float32(part), albedo)
     assert ((tint >= 0) & (tint <= 1)).all()
     # What is not scattered passes as T (1 − albedo).
     close(tint * (1 - base * (1 - part)), base * part, atol=1e-6)
@@ -215,7 +216,16 @@ def test_an_open_volume_is_a_sheet_of_its_thickness(tmp_path: Path) -> None:
     assert not found.solid
     assert found.transmission == pytest.approx((1, 0.25 ** (0.5 / 2), 1))
     (note,) = imported.notes
-    assert note.startswith("a volume that its mesh does not enclose")
+    assert note.startswith("a volume is a thin sheet if")
+    # Thickness is a length of the mesh, and the distance of attenuation one of the world.
+    gltf.document["nodes"][0]["scale"] = [3, 3, 3]
+    assert gltf.one(tmp_path).material.transmission == pytest.approx((1, 0.25 ** (3 * 0.5 / 2), 1))
+    image = gltf.picture([[[255, 255, 255], [0, 0, 0]]])
+    described = gltf.document["materials"][0]["pbrMetallicRoughness"]
+    described["baseColorTexture"] = {"index": image}
+    part = gltf.document["meshes"][0]["primitives"][0]
+    part["attributes"]["TEXCOORD_0"] = gltf.array(np.zeros((8, 2)))
+    close(gltf.one(tmp_path).mesh.transmission, [[1, 0.25 ** (3 * 0.5 / 2), 1]] * 8)
     gltf = Gltf()
     gltf.solid(volume(thicknessFactor=0))
     assert gltf.one(tmp_path).material.transmission == (1, 1, 1)
@@ -288,3 +298,16 @@ def test_required_extensions_are_refused_if_unknown(tmp_path: Path) -> None:
         gltf.document["extensionsRequired"] = [name]
         with pytest.raises(SceneError, match=message):
             gltf.read(tmp_path, **SIMPLE)
+
+
+def test_metals_let_no_light_pass(tmp_path: Path) -> None:
+    for metallic, passed in ((1, 0), (0.5, 0.5)):
+        described = {
+            "pbrMetallicRoughness": {"metallicFactor": metallic, "baseColorFactor": [1, 1, 1, 1]},
+            "extensions": GLASS,
+        }
+        found = material(tmp_path, described)
+        assert isinstance(found.albedo, tuple)
+        assert isinstance(found.transmission, tuple)
+        # What is neither mirrored nor scattered passes: T (1 − albedo).
+        assert found.transmission[0] * (1 - found.albedo[0]) == pytest.approx(passed, abs=1e-6)

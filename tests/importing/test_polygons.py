@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from oitbench.errors import SceneError
-from oitbench.importing import Imported, read_scene
+from oitbench.importing import Imported, read_scene, shapes
 from oitbench.scene import BLACK, Floats, Object, Texture, Wrap
 from tests import meshes
 from tests.importing.files import CUBE_QUADS, SIMPLE, close, cube, png, write
@@ -253,3 +253,22 @@ def test_elements_that_are_not_shown_are_noted(tmp_path: Path) -> None:
     content = ply("ascii", [[0, 1, 2], [0, 2, 3]], extra) + b"7 2 1 1\n"
     (tmp_path / "model.ply").write_bytes(content)
     assert read_scene(tmp_path / "model.ply", **SIMPLE).notes == ("elements 'edge' are left out",)
+
+
+@pytest.mark.parametrize("far", [1, 2**40], ids=["one key", "rows"])
+def test_distinct_rows_are_in_order(far: int) -> None:
+    table = np.array([[2, -1], [0, 5], [2, -1], [0, -1]]) * far
+    rows, numbers = shapes.distinct_rows(table)
+    np.testing.assert_array_equal(rows, np.array([[0, -1], [0, 5], [2, -1]]) * far)
+    np.testing.assert_array_equal(rows[numbers], table)
+
+
+def test_faces_of_many_forms_are_read_alike(tmp_path: Path) -> None:
+    head = SQUARE + "vt 0 0\nvn 0 0 1\n"
+    for form in ("{0}", "{0}/1", "{0}//1", "{0}/1/1", "{0}/", "{0}//"):
+        face = " ".join(form.format(k) for k in (1, 2, 3))
+        assert area(one(tmp_path, f"{head}f {face}\nf 1/1 3 4//1\n")) == 1, form
+        assert area(one(tmp_path, f"{head}f {face}\nf {face}\n")) == 1, form
+    for wrong in ("1/1/1/1 2/1 3", "1/2/3 4 3/1"):
+        with pytest.raises(SceneError, match="a face"):
+            one(tmp_path, f"{head}f {wrong}\n")

@@ -22,7 +22,7 @@ from oitbench.importing.pictures import fractions, linear
 from oitbench.importing.shapes import encloses
 from oitbench.importing.values import Canvas, Values, same_size
 from oitbench.modeling.glass import transmission as through_solid
-from oitbench.scene import BLACK, RGB, Array, Material, Mesh, Object, Texture
+from oitbench.scene import BLACK, RGB, Material, Mesh, Object, Texture
 
 _METAL = (
     "metals: the part of the base color that all channels share is mirrored, the rest is diffuse"
@@ -30,6 +30,10 @@ _METAL = (
 _GRAY = 0.02
 """Difference between channels of a metal that is not noted."""
 _EVEN = "solids have the mean of their textures and of their colors at vertices"
+_OPEN = (
+    "a volume is a thin sheet if it has a cutoff, or if no closed mesh with normals outwards"
+    " bounds it"
+)
 _MEANS = "textures that lie otherwise than the base color, or reflectance, are replaced by means"
 
 
@@ -87,21 +91,21 @@ class Materials:
             self._looks[index] = _Reader(self._document, self._textures, described, name).look()
         return self._looks[index]
 
-    def fitted(self, look: Look, mesh: Mesh, name: str) -> Object | None:
+    def fitted(self, look: Look, mesh: Mesh, name: str, scale: float) -> Object | None:
         """Return the object of a look and a mesh; None if nothing of it can be seen.
 
-        It is a solid if the look has an inside and the mesh is closed.
+        It is a solid if the look has an inside and the mesh is closed. The mesh is `scale` times as
+        large as in the file.
         """
         if look.hidden:
             return None
+        material = look.material
         if look.inside is not None:
-            if encloses(mesh):
+            if material.cutoff is None and encloses(mesh):
                 return self._solid(look, look.inside, mesh, name)
-            self._document.notes.add(
-                "a volume that its mesh does not enclose, with normals outwards, is a thin sheet",
-                name,
-            )
-        material, coverage = look.material, look.material.coverage
+            self._document.notes.add(_OPEN, name)
+            material, mesh = _sheet(material, look.inside, mesh, scale)
+        coverage = material.coverage
         if mesh.coverage is None and not isinstance(coverage, Texture):
             if material.cutoff is not None:
                 coverage = float(coverage >= material.cutoff)
@@ -176,12 +180,12 @@ class _Reader:
             roughness = roughness * fractions(layer.pixels[..., 1:2])
         passing = self._passing()
         base, metallic, passing = same_size(base, metallic, passing)
-        passing = passing * (1 - metallic)
         shared = base.min(axis=-1, keepdims=True)
         mirrored = float((metallic * shared).mean() / max(float(metallic.mean()), 1e-6))
         rest = np.maximum(base - mirrored, 0)
-        albedo = base * (1 - metallic) * (1 - passing) + metallic * rest
-        passes = bool(passing.any())
+        plain = base * (1 - metallic)
+        albedo = plain * (1 - passing) + metallic * rest
+        passes = bool((passing * (1 - metallic)).any())
         index = self._index()
         specular = self._specular(index, metallic, mirrored)
         if bool((metallic * rest > _GRAY).any()):
@@ -200,7 +204,7 @@ class _Reader:
             return self._finished(material, None)
         if roughness.size > 1 and index > 1:
             self._notes.add("the blur of glass follows its mean roughness", self._name)
-        tint = transmission_of(base * (1 - metallic), passing)
+        tint = transmission_of(plain * passing, albedo)
         glass = replace(
             material,
             transmission=self._canvas().color(tint),
@@ -213,17 +217,8 @@ class _Reader:
     ) -> Look:
         inside = volume if volume is not None and volume.thickness_factor > 0 else None
         albedo, tint = _mean(material.albedo), _mean(material.transmission)
-        if inside is not None:
-            if inside.thickness_texture is not None:
-                self._notes.add("maps of thickness are ignored; the factor counts", self._name)
-            if inside.attenuation_distance is not None:
-                depth = inside.thickness_factor / inside.attenuation_distance
-                with np.errstate(all="ignore"):
-                    lost = np.array(inside.attenuation_color, dtype=np.float64) ** depth
-                material = _dimmed(material, lost.astype(np.float32))
-            if material.cutoff is not None:
-                self._notes.add("a volume with a cutoff is a thin sheet", self._name)
-                inside = None
+        if inside is not None and inside.thickness_texture is not None:
+            self._notes.add("maps of thickness are ignored; the factor counts", self._name)
         hidden = self._mode == "MASK" and self._described.alpha_cutoff > 1
         alpha = self._mode != "OPAQUE"
         return Look(material, self._placement, unlit, alpha, inside, albedo, tint, hidden)
@@ -310,12 +305,21 @@ class _Reader:
         return Canvas(self._budget, None if self._placement is None else self._placement.wrap)
 
 
-def _dimmed(material: Material, factor: Array) -> Material:
-    """Return a material whose transmission is multiplied by a color."""
-    found = material.transmission
-    if isinstance(found, Texture):
-        return replace(material, transmission=replace(found, texels=found.texels * factor))
-    return replace(material, transmission=color(np.asarray(found) * factor))
+def _sheet(
+    material: Material, inside: known.Volume, mesh: Mesh, scale: float
+) -> tuple[Material, Mesh]:
+    """Return a thin sheet that absorbs as much as a volume of its thickness."""
+    if inside.attenuation_distance is None:
+        return material, mesh
+    with np.errstate(all="ignore"):
+        depth = np.float64(inside.thickness_factor * scale) / inside.attenuation_distance
+        passed = np.nan_to_num(np.array(inside.attenuation_color, dtype=np.float64) ** depth)
+    if not isinstance(material.transmission, Texture):
+        return replace(material, transmission=color(material.transmission * passed)), mesh
+    # A factor of the vertices, as every sheet may have another one.
+    before = 1.0 if mesh.transmission is None else mesh.transmission
+    factors = np.broadcast_to(before * passed, (len(mesh.positions), 3))
+    return material, replace(mesh, transmission=factors.astype(np.float32))
 
 
 def _mean(value: RGB | Texture) -> RGB:

@@ -64,7 +64,8 @@ class _Reader:
             document.budget.take("triangles", len(geometry.triangles) * len(matrices))
             document.budget.take("vertices", len(geometry.positions) * len(matrices))
             placed = self._mesh(geometry, look, matrices, title)
-            found = self._materials.fitted(look, placed, title)
+            scale = float(np.abs(np.linalg.det(matrices[0, :3, :3])) ** (1 / 3))
+            found = self._materials.fitted(look, placed, title, scale)
             if found is not None:
                 self._content.objects.append(found)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
@@ -12,6 +13,8 @@ from oitbench.importing.limits import short
 from oitbench.importing.shapes import Indices
 
 _MISSING = 0
+_OPEN = re.compile(r"(?:^|\s)/|/(?:\s|$)")
+"""A corner that begins or ends in a slash."""
 
 
 @dataclass
@@ -76,11 +79,14 @@ def _written(faces: list[list[str]]) -> Indices:
         if slashes == 0:
             single = np.array(words, dtype=np.int64)
             return np.stack([single, *np.zeros((2, len(words)), np.int64)], axis=1)
-        if slashes == 2 * len(words):
+        whole = not _OPEN.search(text)
+        if whole and slashes == len(words) and not re.search(r"/\S*/", text):
+            pairs = np.array(text.replace("/", " ").split(), dtype=np.int64).reshape(-1, 2)
+            return np.pad(pairs, ((0, 0), (0, 1)))
+        if whole and slashes == 2 * len(words) and not re.search(r"/\S*/\S*/", text):
             # In the form 1//2, coordinates are missing.
             parts = text.replace("//", "/0/").replace("/", " ").split()
-            if len(parts) == 3 * len(words):
-                return np.array(parts, dtype=np.int64).reshape(-1, 3)
+            return np.array(parts, dtype=np.int64).reshape(-1, 3)
         return np.array([_one(word) for word in words], dtype=np.int64)
     except (ValueError, OverflowError):
         raise SceneError(f"a face cannot be read: f {short(text[:60])}") from None

@@ -139,6 +139,8 @@ class Library:
         albedo: Values = base
         if "map_Kd" in pictures:
             albedo = base * linear(pictures["map_Kd"][..., :3])
+            if "map_d" not in maps and (pictures["map_Kd"][..., 3] < 255).any():
+                self._notes.add("alpha of map_Kd is ignored; name it in map_d", described.name)
         if "map_d" in pictures:
             alpha = alpha * _opacity(pictures["map_d"])
         if "map_Ke" in pictures:

@@ -164,7 +164,7 @@ def _mesh(data: _Data, runs: list[Run], budget: Budget, notes: Notes, name: str)
     mapped = bool((triples[..., 1] >= 0).all())
     if not mapped:
         triples[..., 1] = -1
-    corners, triangles = np.unique(triples.reshape(-1, 4), axis=0, return_inverse=True)
+    corners, triangles = shapes.distinct_rows(triples.reshape(-1, 4))
     triangles = triangles.reshape(-1, 3)
     positions = data.positions[corners[:, 0]]
     normals: Floats | None = None
