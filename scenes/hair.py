@@ -84,7 +84,7 @@ def build(*, name: str, detail: float, alpha: float, seed: int) -> Scene:
     """Return the backdrop, the bust and the hair."""
     count = copies(STRANDS, detail)
     random = np.random.default_rng(seed)
-    curves = grow(random, count, divisions(POINTS, detail**0.6, 6))
+    curves = grow(random, count, divisions(POINTS, detail, 6))
     share = STRANDS / count
     shadows = _Shadows(curves, share)
     shades = _shades(random, curves, shadows)
