@@ -262,7 +262,7 @@ class _Light:
         )
         light = CONCRETE * diffuse(normals_of(mesh), SUN, lit, up)
         far = np.exp(-((np.hypot(points[:, 0], points[:, 2]) / 55) ** 2))[:, None]
-        return with_radiance(mesh, HAZE + (light - HAZE) * far)
+        return with_radiance(mesh, np.asarray(HAZE) * (1 - far) + light * far)
 
 
 def _ground(detail: float) -> Mesh:

@@ -280,7 +280,7 @@ def _foliage(random: np.random.Generator, detail: float) -> Iterator[Object]:
     cards = scatter(quad((0, 0, 0), (1, 0, 0), (0, 1, 0)), rows)
     shades = tint(random.random(len(rows)).repeat(len(cards.positions) // len(rows)), SHADES)
     spray = twig(random, 130, (0.10, 0.15))
-    green = Texture(np.clip(spray.color.texels * np.float32(GREEN), 0, 1))
+    green = Texture(np.clip(spray.color.texels * np.asarray(GREEN, np.float32), 0, 1))
     leaves = Material(coverage=spray.coverage, albedo=green, specular=0.0)
     yield Object("bushes", replace(cards, albedo=shades.astype(np.float32)), leaves)
 

@@ -139,4 +139,4 @@ def _strands(
         inside = np.maximum(0.0015 - body.at(curves), 0)[..., None]
         curves = curves + inside * body.gradient(curves)
     curves[:, 0] = roots
-    return curves
+    return np.asarray(curves)
