@@ -87,7 +87,7 @@ def surface(distance: Distance, low: Vector, high: Vector, cell: float) -> Mesh:
     values = _sampled(distance, lattice)
     spacing = [float(line[1] - line[0]) for line in lines]
     points, triangles, _, _ = marching_cubes(
-        values, 0.0, spacing=spacing, allow_degenerate=False, gradient_direction="ascent"
+        values, 0.0, spacing=spacing, allow_degenerate=False, gradient_direction="descent"
     )
     places = points.astype(np.float64) + np.asarray(low)
     return Mesh.from_arrays(places, triangles, normals=gradients(distance, places))
