@@ -45,6 +45,13 @@ class Axes(Struct, frozen=True, tag=True):
     method_paths: dict[str, bytes]
 
 
+class Inspect(Struct, frozen=True, tag=True):
+    """Asks whether a file can be imported as a scene, with the values of parameters of a label."""
+
+    scene: str
+    path: bytes
+
+
 class Resolved(Struct, frozen=True, tag=True):
     """The folder of an installed collection."""
 
@@ -86,5 +93,20 @@ class AxesFound(Struct, frozen=True, tag=True):
     axes: list[list[str]]
 
 
-Request = Resolve | Describe | Axes
-Reply = Resolved | Entry | AxesFound
+class Inspected(Struct, frozen=True, tag=True):
+    """The file can be imported.
+
+    Parameters
+    ----------
+    notes : list of str
+        What the scene shows differently from its file, in one line each.
+    files : dict of str to bytes
+        Files beside it that it needs, by their paths relative to its folder.
+    """
+
+    notes: list[str]
+    files: dict[str, bytes]
+
+
+Request = Resolve | Describe | Axes | Inspect
+Reply = Resolved | Entry | AxesFound | Inspected

@@ -7,11 +7,14 @@ import os
 from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
+from typing import Any
 
 from oitbench.catalog.messages import (
     AxesFound,
     Describe,
     Entry,
+    Inspect,
+    Inspected,
     Nothing,
     Reply,
     Request,
@@ -37,6 +40,8 @@ def _begin(settings: Nothing, on_step: OnStep) -> Callable[[Request], Reply]:
             return Resolved(os.fsencode(installed_folder(request.value)))
         if isinstance(request, Describe):
             return _describe(collection, request)
+        if isinstance(request, Inspect):
+            return _inspect(collection, request)
         for name, path in request.method_paths.items():
             collection.places.methods.add(name, _path(path))
         collection.places.scenes.add(request.scene.partition("[")[0], _path(request.scene_path))
@@ -61,6 +66,17 @@ def _describe(collection: Collection, request: Describe) -> Entry:
         return _report(collection, request.name, path, request.check)
     except DeclarationError as error:
         return Entry(request.name, error=str(error))
+
+
+def _inspect(collection: Collection, request: Inspect) -> Inspected:
+    from oitbench.importing.scene import read_scene
+
+    path = _path(request.path)
+    collection.places.scenes.add(request.scene.partition("[")[0], path)
+    values: dict[str, Any] = collection.scene_values(request.scene)
+    imported = read_scene(path, **values)
+    files = {name: os.fsencode(file) for name, file in imported.files.items()}
+    return Inspected(list(imported.notes), files)
 
 
 def _method(collection: Collection, name: str, path: Path) -> Entry:

@@ -146,7 +146,10 @@ def command(
     with Catalog(collections) as catalog:
         jobs = list(_jobs(catalog, scenes, truths, chosen, views, size, ssaa))
     places = catalog.places
-    settings = Settings([os.fsencode(folder) for folder in places.folders])
+    settings = Settings(
+        [os.fsencode(folder) for folder in places.folders],
+        [os.fsencode(path) for path in places.scene_files],
+    )
     well, failed = True, 0
     with Process("oitbench.path_traced.references.worker", settings, Reply, limit) as worker:
 
@@ -262,7 +265,12 @@ def _print_check(console: Console, checked: ReferenceChecked) -> bool:
 
 def _reference_folder(scenes: Names, label: str) -> Path:
     """Return where the collection that has the scene's file keeps its references."""
-    return scenes[label.partition("[")[0]].parent.parent / storage.FOLDER
+    path = scenes[label.partition("[")[0]]
+    if path.suffix != ".py":
+        raise UsageError(
+            f"{path} is in no collection; give a folder with -o, or keep it by: oitbench import"
+        )
+    return path.parent.parent / storage.FOLDER
 
 
 def _facts(rendered: ReferenceRendered) -> str:

@@ -29,7 +29,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from oitbench.scene import Material, Mesh, Object, Scene, Texture
+from oitbench.scene import Camera, Material, Mesh, Object, Scene, Texture
 from oitbench.scene.vectors import Floats
 
 _VERTEX_STEP = 1e-6
@@ -45,7 +45,7 @@ _UNSEEN = (
     (Scene, "name"), (Scene, "full_samples"), (Scene, "views"), (Scene, "path"), (Object, "name"),
 )  # fmt: skip
 _LATER = (
-    (Texture, "wrap"), (Material, "cutoff"), (Material, "culled"),
+    (Camera, "height"), (Texture, "wrap"), (Material, "cutoff"), (Material, "culled"),
     (Mesh, "albedo"), (Mesh, "transmission"), (Mesh, "coverage"),
 )  # fmt: skip
 """Fields that are younger than stored fingerprints: they count only where they differ from their

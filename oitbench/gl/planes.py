@@ -34,13 +34,11 @@ def with_separate_corners(scene: Scene) -> tuple[Scene, Coincidence | None]:
 
 def _separate(mesh: Mesh) -> Mesh:
     corners = mesh.triangles.ravel()
-    return Mesh(
-        mesh.positions[corners],
-        np.arange(len(corners), dtype=np.uint32).reshape(-1, 3),
-        *(
-            None if values is None else values[corners]
-            for values in (mesh.uvs, mesh.radiance, mesh.normals)
-        ),
+    return replace(
+        mesh,
+        positions=mesh.positions[corners],
+        triangles=np.arange(len(corners), dtype=np.uint32).reshape(-1, 3),
+        **{name: values[corners] for name, values in mesh.vertices.items()},
     )
 
 

@@ -128,7 +128,7 @@ class SurfaceTextures(Owner):
         context = device.context
         with self.building():
             size = pages.across, pages.up, pages.layers
-            array = self.own(context.texture_array(size, 4, stored.tobytes(), dtype="f4"))
+            array = self.own(context.texture_array(size, 4, stored, dtype="f4"))
             shape = across, len(table) // across
             levels = self.own(context.texture(shape, 4, table.tobytes(), dtype="i4"))
             for texture in (array, levels):
@@ -140,7 +140,7 @@ class SurfaceTextures(Owner):
 
 def surface_key(item: Object) -> Hashable:
     """Return a key that objects share whose surfaces have the same numbers."""
-    return id(item.material), item.casts, item.receives_shadows
+    return id(item.material), item.casts, item.receives_shadows, item.opaque
 
 
 def upload_surfaces(device: Device, objects: Sequence[Object]) -> moderngl.Texture:

@@ -68,7 +68,7 @@ def render(
         Something is unknown, out of range, or not available on this machine, or the process ended.
     """
     settings = read_shading(",".join(shading)).label
-    with lone_worker(collections, memory_gib) as (worker, folder):
+    with lone_worker(scene, collections, memory_gib) as (worker, folder):
         file = folder / "image.npy"
         request = DrawPicture(scene, method, size, ssaa, effects, os.fsencode(file), settings, view)
         drawn = worker.ask(request, PictureDrawn, timeout, _DRAWING)

@@ -77,6 +77,8 @@ class Matrix:
     seed : int
     collections, method_folders : tuple of Path
         All collection folders, and folders of further methods.
+    scene_files : tuple of Path
+        Files that are scenes.
     methods : tuple of str
         Names of all known methods.
     unusable : mapping of Cell to str
@@ -97,6 +99,7 @@ class Matrix:
     seed: int = 1
     collections: tuple[Path, ...] = ()
     method_folders: tuple[Path, ...] = ()
+    scene_files: tuple[Path, ...] = ()
     methods: tuple[str, ...] = ()
     unusable: Mapping[Cell, str] = field(default_factory=dict)
     force: bool = False
@@ -198,7 +201,8 @@ def plan_matrix(
         ]
     return Matrix(
         tuple(cell for cell, _ in pairs), chosen, Path(out), seed, tuple(catalog.places.folders),
-        _foreign_folders(chosen_methods, catalog), tuple(catalog.names("method")),
+        _foreign_folders(chosen_methods, catalog), catalog.places.scene_files,
+        tuple(catalog.names("method")),
         {cell: error for cell, error in pairs if error}, force, timeout, workers,
         limit,
     )  # fmt: skip

@@ -74,7 +74,7 @@ def draw(
         Something is unknown, out of range, or not available on this machine, or the process ended.
     """
     settings = read_shading(",".join(shading)).label
-    with lone_worker(collections, memory_gib) as (worker, folder):
+    with lone_worker(scene, collections, memory_gib) as (worker, folder):
         file = folder / "targets.npz"
         request = DrawTargets(
             scene, method, size, ssaa, effects, list(names), os.fsencode(file), settings, view

@@ -34,10 +34,11 @@ LIST, ALL = "list", "all"
 
 
 class Settings(Struct, frozen=True):
-    """All collection folders, the folders of further methods, and the results folder."""
+    """Collections, folders of further methods, files that are scenes, and the results folder."""
 
     collections: list[bytes]
     methods: list[bytes]
+    scenes: list[bytes]
     folder: bytes
 
 
@@ -149,7 +150,9 @@ Reply = Greeting | CellsIdentified | CellDone | CellsTimed | PictureDrawn | Targ
 
 
 def _begin(settings: Settings, on_step: OnStep) -> Callable[[Request], Reply]:
-    places = Places(map(_path, settings.collections), map(_path, settings.methods))
+    places = Places(
+        *(map(_path, p) for p in (settings.collections, settings.methods, settings.scenes))
+    )
     bench = Bench(Collection(places), _path(settings.folder), on_step)
 
     def answer(request: Request) -> Reply:

@@ -20,6 +20,7 @@ medium     `Medium`: fog
 vectors    types of vectors, colors and arrays, and vector algebra
 checks     validation of values
 texturing  the texture filter that both renderers share
+solids     lengths inside of closed meshes
 ========== =================================================================
 """
 

@@ -21,7 +21,7 @@ NODES = 65
 """Rows of a table of means, from straight up to straight down."""
 INCIDENCES = 64
 """Nodes of the table of `lobe_fit`, from grazing to normal incidence."""
-GRADES = 16
+GRADES = 8
 """Steps of roughness between which a texture of roughness is interpolated."""
 _SAMPLES = 4096
 _STEPS = 0.7548776662466927, 0.5698402909980532
@@ -61,11 +61,20 @@ def weighted_means(texels: Floats, weight: Callable[[Floats], Floats]) -> Floats
         Rows run from straight up to straight down, both included. Columns begin straight ahead (−z)
         and run to the right.
     """
-    nodes = NODES, 2 * (NODES - 1), 3
+    return np.asarray(tables_of_means(texels, [weight])[0])
+
+
+def tables_of_means(texels: Floats, weights: Iterable[Callable[[Floats], Floats]]) -> Floats:
+    """Return the tables of `weighted_means` for several weights, shape (number, …)."""
     if (texels == texels[0, 0]).all():
-        return np.asarray(np.broadcast_to(texels[0, 0], nodes))
-    flux, (polar, longitude) = _flux(texels), _middles(PATCHES)
-    columns = 2 * PATCHES
+        nodes = NODES, 2 * (NODES - 1), 3
+        return np.asarray([np.broadcast_to(texels[0, 0], nodes) for _ in weights])
+    flux = _flux(texels)
+    return np.asarray(np.stack([_table_of_means(flux, weight) for weight in weights]))
+
+
+def _table_of_means(flux: Floats, weight: Callable[[Floats], Floats]) -> Floats:
+    (polar, longitude), columns = _middles(PATCHES), 2 * PATCHES
     top = np.linspace(0, math.pi, NODES)
     # Rotation about the vertical axis: the sum over longitudes is a circular convolution.
     turn = np.arange(columns) / columns * 2 * math.pi - longitude[0]
@@ -76,7 +85,7 @@ def weighted_means(texels: Floats, weight: Callable[[Floats], Floats]) -> Floats
         level = np.cos(angle) * np.cos(polar)[:, None]
         kernel = weight(level + np.sin(angle) * np.sin(polar)[:, None] * np.cos(turn))
         product = (np.fft.rfft(kernel, axis=1)[..., None] * spectrum).sum(axis=0)
-        found = np.fft.irfft(product, columns, axis=0)[:: columns // nodes[1]]
+        found = np.fft.irfft(product, columns, axis=0)[:: columns // (2 * (NODES - 1))]
         rows.append(found / (kernel * area[:, None]).sum())
     return np.asarray(np.maximum(np.stack(rows), 0))
 

@@ -114,7 +114,8 @@ class Material:
     Raises
     ------
     SceneError
-        If a value is not finite or out of range, or a refracting solid varies or has holes.
+        If a value is not finite or out of range, textures do not go with that of coverage, or a
+        refracting solid varies or has holes.
     """
 
     coverage: float | Texture = 1.0
@@ -148,6 +149,11 @@ class Material:
             require(gray, f"material: {name} has colors; give texels (h, w)")
         require(self.index >= 1, f"material: index is {self.index}; it must be at least 1 (vacuum)")
         require(self.cutoff != 0, "material: cutoff is 0, which all coverage reaches; leave it out")
+        if isinstance(self.coverage, Texture):
+            for name in TEXTURED:
+                other = getattr(self, name)
+                alike = not isinstance(other, Texture) or other.wrap == self.coverage.wrap
+                require(alike, f"material: coverage and {name} wrap differently; let them agree")
         if self.refracts and not self.opaque:
             whole = self.cutoff is None and not self.culled
             require(whole, "material: a refracting solid has cutoff or culled; leave them out")

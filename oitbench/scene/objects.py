@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 
 import numpy as np
@@ -107,7 +107,14 @@ class Mesh:
     @property
     def factors(self) -> dict[str, Array]:
         """The factors on properties of the material that vertices have, except on emission."""
-        found = {name: getattr(self, name) for name in ("albedo", "transmission", "coverage")}
+        named = ("albedo", "transmission", "coverage")
+        return {name: values for name, values in self.vertices.items() if name in named}
+
+    @property
+    def vertices(self) -> dict[str, Array]:
+        """All arrays of vertices that the mesh has beside positions, by name."""
+        names = {field.name for field in fields(Mesh)} - {"positions", "triangles"}
+        found = {name: getattr(self, name) for name in sorted(names)}
         return {name: values for name, values in found.items() if values is not None}
 
     @cached_property

@@ -27,7 +27,6 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from oitbench.errors import SceneError
 from oitbench.scene.material import Material, Texture, Wrap
 from oitbench.scene.vectors import RGB, WHITE, Array, Floats
 
@@ -55,18 +54,8 @@ class Images(NamedTuple):
 
     @property
     def wrap(self) -> tuple[Wrap, Wrap]:
-        """How they continue beyond their edges.
-
-        Raises
-        ------
-        SceneError
-            If they disagree.
-        """
-        found = {one.wrap for one in self.present}
-        if len(found) > 1:
-            names = " and ".join(sorted("/".join(one.value for one in pair) for pair in found))
-            raise SceneError(f"material: its textures have the wraps {names}; give them one")
-        return found.pop()
+        """How they continue beyond their edges; `Material` sees to it that they agree."""
+        return self.present[0].wrap
 
 
 _MANY = 128
@@ -196,15 +185,15 @@ def _enlarged(texels: Array, size: tuple[int, int], wrap: tuple[Wrap, Wrap]) -> 
 
 def _halved(image: Array) -> Array:
     """Return the next mip level: means over blocks of texels, which are wider for odd sides."""
-    halved = image.astype(np.float64)
+    halved: Floats | Array = image
     for axis in (0, 1):
         count = halved.shape[axis]
         half = max(1, count // 2)
         texels = np.moveaxis(halved, axis, 0)
         if count % 2 == 0:
-            mean = (texels[0::2] + texels[1::2]) / 2
+            mean = np.add(texels[0::2], texels[1::2], dtype=np.float64) / 2
         elif count == 1:
-            mean = texels
+            mean = texels.astype(np.float64)
         else:
             place = np.arange(half).reshape(-1, 1, 1)
             parts = (half - place) / count, half / count, (place + 1) / count

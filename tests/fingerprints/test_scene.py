@@ -115,6 +115,9 @@ PAIRS = {
             coverage=Texture(np.ones((2, 2), np.float32), (Wrap.REPEAT, Wrap.CLAMP)),
         ),
     ),
+    "a cutoff": (with_material(), with_material(cutoff=0.5)),
+    "a back": (with_material(), with_material(culled=True)),
+    "coverage of vertices": (with_mesh(), with_mesh(coverage=np.array([0, 1, 1, 1], np.float32))),
     "exposure": (sheet_scene(), sheet_scene(exposure=1.0)),
 }
 

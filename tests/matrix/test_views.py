@@ -10,8 +10,12 @@ import numpy as np
 import pytest
 
 from oitbench.errors import UsageError
+from oitbench.gl.device import Device
+from oitbench.gl.uploaded_scene import UploadedScene
+from oitbench.image.stored import StoredImage
 from oitbench.matrix.plan import plan_matrix
 from oitbench.matrix.run import run
+from oitbench.matrix.stage import Stage
 from oitbench.path_traced.references import storage
 from oitbench.path_traced.references.lookup import find
 from oitbench.plugins import Collection
@@ -19,9 +23,11 @@ from oitbench.results import baseline
 from oitbench.results.records import Results
 from oitbench.results.store import read_cells
 from oitbench.results.table import flat
+from oitbench.scene import Camera, Material, Object, Scene, Strands
 from tests.made_up import record
 from tests.path_traced.stored import make_reference, make_scene, wanted
 
+STORED = StoredImage("images/none.exr", "", 0)
 GUARD: dict[str, Any] = {"preset": "guard", "size": (16, 16), "ssaa": 1}
 
 
@@ -100,3 +106,24 @@ def test_a_scene_is_built_once_for_all_of_its_views(monkeypatch: pytest.MonkeyPa
     cameras = {identities.scene(cell).camera for cell in cells}
     assert len(cameras) == 3
     assert built == ["scene"]
+
+
+def test_frames_without_sub_pixels_have_strands_of_their_own_width(device: Device) -> None:
+    strand = Object("s", Strands([[(-1, 0, 0), (1, 0, 0)]], 1e-4), Material(0.5))
+    scene = Scene("s", Camera((0, 0, 3)), (strand,))
+    method = Collection.load().truth()
+
+    def stage(ssaa: int) -> Stage:
+        uploaded = UploadedScene(device, scene, rows=16 * ssaa)
+        return Stage("s", (16, 16), ssaa, "", "main", uploaded, method, lambda *_: STORED)
+
+    fine, plain = stage(2), stage(1)
+    widths = [
+        float(np.ptp(one.geometry.scene.objects[0].mesh.positions[:, 1]))
+        for one in (fine.uploaded, fine.coarse, plain.coarse)
+    ]
+    assert widths[1] == widths[2] == pytest.approx(2 * widths[0])
+    assert fine.coarse is fine.coarse
+    assert plain.coarse is plain.uploaded
+    fine.release()
+    plain.release()

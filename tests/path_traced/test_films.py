@@ -116,9 +116,10 @@ def test_layers_that_are_very_close_are_each_hit_once() -> None:
     np.testing.assert_allclose(image, np.broadcast_to(expected, (8, 8, 3)), atol=1e-4)
 
 
+@pytest.mark.parametrize("culled", [False, True])
 @pytest.mark.parametrize("variant", [None, llvm.SLOW_VARIANT])
-def test_films_closer_than_a_step_are_both_hit(variant: str | None) -> None:
-    film = Material(coverage=0.5, emission=(1.0, 1.0, 1.0))
+def test_films_closer_than_a_step_are_both_hit(variant: str | None, culled: bool) -> None:
+    film = Material(coverage=0.5, emission=(1.0, 1.0, 1.0), culled=culled)
     films = tuple(Object(str(i), _quad(0.3 + 1e-6 * i, tilt=0.7), film) for i in range(2))
     # From here, no ray hits the diagonal that the triangles of a quad share.
     camera = Camera((0.03, 0.0, 4.0), target=(0.03, 0.0, 0.0))

@@ -7,12 +7,15 @@ from typing import Any
 import numpy as np
 import pytest
 
+from oitbench.effects import Effect
 from oitbench.gl.device import Device
+from oitbench.modeling.mesh import quad, sphere
 from oitbench.path_traced.matched.render import matched
 from oitbench.path_traced.trace.render import render as full
 from oitbench.scene import (
     Camera,
     DirectionalLight,
+    EnvironmentLight,
     Floats,
     Light,
     Material,
@@ -132,3 +135,98 @@ def test_properties_that_vary(device: Device, kind: str, lights: tuple[Light, ..
     objects = (Object("varied", mesh, material), behind)
     scene = Scene("s", CAMERA, objects, background=BACKGROUND, lights=lights)
     assert_agreement(device, scene)
+
+
+FLOOR = Object("floor", quad((0, -0.5, 0), (3, 0, 0), (0, 0, -3)), Material(albedo=(0.8, 0.7, 0.6)))
+HIGH = Camera((0.1, 3.0, 4.0), target=(0.0, 0.0, 0.0))
+NOON = (DirectionalLight((0.3, -1.0, -0.2), (2.0, 3.0, 2.5)),)
+GREEN = (0.5, 0.8, 0.3)
+
+
+def card(material: Material, height: float = 0.5, *, down: bool = False, **vertices: Any) -> Object:
+    """Return a card over the floor whose front is up, or down."""
+    flat = quad((0.2, height, 0.1), (1, 0, 0), (0, 0.2, -1))
+    order = flat.triangles[:, ::-1] if down else flat.triangles
+    mesh = Mesh.from_arrays(flat.positions, order, uvs=flat.uvs, **vertices)
+    return Object("card", mesh, material)
+
+
+SHADOWS = {
+    "cutoff": card(Material(texture(4, 4), albedo=GREEN, cutoff=0.5)),
+    "cutoff of glass": card(Material(texture(4, 4), (0.5, 0.9, 0.4), albedo=GREEN, cutoff=0.5)),
+    "culled": card(Material(albedo=GREEN, culled=True)),
+    "culled, from its back": card(Material(albedo=GREEN, culled=True), down=True),
+    "culled glass, from its back": card(Material(0.5, albedo=GREEN, culled=True), down=True),
+    "vertices": card(
+        Material(transmission=(0.9, 0.9, 0.9)),
+        coverage=[0.0, 1.0, 0.5, 1.0], transmission=np.eye(4)[:, :3],
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("kind", SHADOWS)
+def test_shadows(device: Device, kind: str) -> None:
+    scene = Scene("s", HIGH, (FLOOR, SHADOWS[kind]), lights=NOON)
+    expected = drawn(device, scene)
+    dark = drawn(device, Scene("s", HIGH, (FLOOR,), lights=NOON)) - expected > 0.2
+    assert dark.any() == ("back" not in kind)
+    for found in (matched(scene, SIZE, 1), full(scene, SIZE, ssaa=1, spp=2).mean):
+        # An edge of a shadow may be on the other side of a pixel.
+        assert_alike(np.asarray(found), expected, 2e-3, 0.7)
+
+
+@pytest.mark.parametrize("kind", ["cutoff", "culled", "culled, from its back"])
+def test_occlusion(device: Device, kind: str) -> None:
+    over = card(SHADOWS[kind].material, -0.3, down="back" in kind)
+    lights = (EnvironmentLight((1.0, 1.0, 1.0)),)
+    scene, bare = (
+        Scene("s", HIGH, objects, lights=lights, ambient_occlusion=1.0)
+        for objects in ((FLOOR, over), (FLOOR,))
+    )
+    found, expected = drawn(device, scene), matched(scene, SIZE, 1, samples=8)
+    closed = drawn(device, bare) - found > 0.05
+    assert closed.any() == ("back" not in kind)
+    assert np.abs(found - expected).mean() < 0.02
+
+
+def test_photons_pass_the_back_of_a_culled_surface() -> None:
+    glass = Material(transmission=(0.9, 0.9, 0.9), solid=True, index=1.5)
+    ball = Object("ball", sphere((0.2, 0.8, 0.0), 0.4, 24, 12), glass)
+    front, back = (
+        card(Material(albedo=GREEN, culled=True), 0.0, down=down) for down in (False, True)
+    )
+    scenes = [
+        Scene("s", HIGH, (FLOOR, ball, *more), lights=NOON) for more in ((), (back,), (front,))
+    ]
+    bare, behind, before = (np.asarray(matched(scene, SIZE, 1)) for scene in scenes)
+    without = np.asarray(matched(scenes[0], SIZE, 1, ~Effect.CAUSTICS))
+    assert np.abs(bare - without).max() > 0.1
+    np.testing.assert_allclose(behind, bare, atol=1e-5)
+    assert np.abs(before - bare).max() > 0.5
+    # From below, its front is not lit through its back.
+    low = Camera((0.2, -2.0, 0.2), target=(0.2, 0.0, 0.0), up=(0.0, 0.0, 1.0))
+    both = card(Material(albedo=GREEN), 0.0, down=True)
+    dark, lit = (
+        matched(Scene("s", low, (ball, one), lights=NOON), SIZE, 1) for one in (back, both)
+    )
+    assert dark.max() == 0
+    assert lit.max() > 0.1
+
+
+SKY = np.full((25, 50, 3), 0.2, dtype=np.float32)
+SKY[5:9, 15:24], SKY[11:16, 32:40] = 6, (1, 3, 8)
+
+
+def test_roughness_and_a_sky_of_any_size(device: Device) -> None:
+    ramp = np.linspace(0, 1, 24, dtype=np.float32)[:, None]
+    ball = sphere((0, 0, 0), 1.4, 48, 24)
+    pictures = []
+    for roughness in (0.05, 0.3, 1.0, Texture(ramp)):
+        shiny = Object("ball", ball, Material(specular=0.6, roughness=roughness))
+        scene = Scene("s", CAMERA, (shiny,), lights=(EnvironmentLight(Texture(SKY)),))
+        found, expected = drawn(device, scene), np.asarray(matched(scene, SIZE, 1))
+        pictures.append((found, np.abs(found - expected).mean()))
+    assert np.abs(pictures[0][0] - pictures[2][0]).mean() > 0.02
+    # The approximation of rough lobes, which OpenGL has at constant roughness, too.
+    assert pictures[0][1] < 0.01
+    assert pictures[3][1] < max(error for _, error in pictures[:3]) + 0.002

@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from oitbench.errors import SceneError
 from oitbench.scene import Material, Texture, Wrap
 from oitbench.scene.texturing import (
     Images,
@@ -82,12 +81,6 @@ def test_the_smaller_texture_of_a_pair_is_enlarged() -> None:
     wrapped = Images(Texture(emission.texels, around), Texture(coverage.texels, around))
     expected = coverage.texels * np.array([0.25, 0.25, 0.75, 0.75])
     np.testing.assert_allclose(premultiplied_pyramid(wrapped)[0][..., 0], expected, rtol=1e-6)
-
-
-def test_textures_of_a_pair_wrap_alike() -> None:
-    other = Texture(_random(4, 4).texels, (Wrap.REPEAT, Wrap.CLAMP))
-    with pytest.raises(SceneError, match="wraps clamp/clamp and repeat/clamp; give them one"):
-        premultiplied_pyramid(Images(_random(4, 4, 3), other))
 
 
 @pytest.mark.parametrize("size", [(5, 3), (1, 7), (6, 10), (13, 1)])

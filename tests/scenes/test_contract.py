@@ -23,6 +23,8 @@ from tests.scenes.helpers import COLLECTION, build, particles, with_detail
 
 MOST_TRIANGLES = {
     "bottles": 160_000,
+    "courtyard": 90_000,
+    "engine": 140_000,
     "foliage": 140_000,
     "forest": 220_000,
     "hair": 500_000,
@@ -32,7 +34,7 @@ MOST_TRIANGLES = {
 FRACTION = ("-0.1", "1.5", "nan")
 IMPOSSIBLE = {
     **dict.fromkeys(("alpha", "alpha_high", "alpha_low", "clarity", "collimation"), FRACTION),
-    **dict.fromkeys(("coverage", "reflection"), FRACTION),
+    **dict.fromkeys(("coverage", "opacity", "reflection"), FRACTION),
     **dict.fromkeys(("count", "height", "layers", "width"), ("0", "1.5")),
     "detail": ("-1", "nan", "101"),
     "distance": ("0.1", "nan"),

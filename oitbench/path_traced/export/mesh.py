@@ -87,10 +87,8 @@ def _with_normals(mesh: Mesh) -> Mesh:
         mesh,
         positions=mesh.positions[corners],
         triangles=np.arange(len(corners), dtype=np.uint32).reshape(-1, 3),
-        uvs=None if mesh.uvs is None else mesh.uvs[corners],
-        radiance=None if mesh.radiance is None else mesh.radiance[corners],
+        **{name: values[corners] for name, values in mesh.vertices.items()},
         normals=np.repeat(normals, 3, axis=0).astype(np.float32),
-        **{name: values[corners] for name, values in mesh.factors.items()},
     )
 
 

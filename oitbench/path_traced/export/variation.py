@@ -94,7 +94,7 @@ class Variation:
         names = {"albedo", "transmission"}
         return not names.isdisjoint(self.columns) or not names.isdisjoint(self.vertex)
 
-    def at(self, si: Any, numbers: Mapping[str, Any], outside: Any, active: Any) -> Factors:
+    def at(self, si: Any, numbers: Mapping[str, Any], front: Any, active: Any) -> Factors:
         """Return the factors at `si`.
 
         Parameters
@@ -102,8 +102,8 @@ class Variation:
         si : SurfaceInteraction3f
         numbers : mapping of str to Float
             Of the material, by column.
-        outside : Bool
-            Whether the front is seen.
+        front : Bool
+            Whether sight, or light on its way from its source, meets the front.
         active : Bool
         """
         mitsuba, drjit, select = self.mitsuba, self.drjit, self.drjit.select
@@ -138,7 +138,7 @@ class Variation:
             found.light = _product(found.light, select(cut, whole, 1))
             found.coverage = select(cut, select(kept, mitsuba.Float(1), 0), alpha)
         if "culled" in self.columns:
-            seen = select((numbers["culled"] > 0) & (outside ^ True), mitsuba.Float(0), 1)
+            seen = select((numbers["culled"] > 0) & (front ^ True), mitsuba.Float(0), 1)
             found.coverage, found.light = (
                 _product(found.coverage, seen),
                 _product(found.light, seen),

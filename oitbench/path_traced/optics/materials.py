@@ -9,9 +9,8 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
-from oitbench.scene import RGB, Material, Mesh, Object
+from oitbench.scene import RGB, Material, Object
+from oitbench.scene.solids import mean_chord
 from oitbench.scene.texturing import constant
 
 HALF_SPREAD = 0.25
@@ -45,19 +44,6 @@ def interface_roughness(material: Material) -> float:
     if material.collimation == 1:
         return 0.0
     return min(1.0, spread(material.collimation) / 2 / max(material.index - 1, LEAST_BEND))
-
-
-def mean_chord(mesh: Mesh) -> float:
-    """Return the mean length of the chords through a closed mesh, 4V/S (Cauchy), in meters.
-
-    It is 0 for a mesh without area.
-    """
-    corners = mesh.positions[mesh.triangles]
-    corners = corners - corners.mean(axis=(0, 1))
-    cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    surface = float(np.linalg.norm(cross, axis=1).sum()) / 2
-    volume = abs(float((corners[:, 0] * cross).sum())) / 6
-    return 4 * volume / surface if surface > 0 else 0.0
 
 
 def absorption(item: Object) -> RGB:

@@ -27,9 +27,10 @@ _BUILDING, _TRACING = Step("building the scene"), Step("path tracing the scene")
 
 
 class Settings(Struct, frozen=True):
-    """All collection folders."""
+    """All collection folders, and files that are scenes."""
 
     collections: list[bytes]
+    scenes: list[bytes]
 
 
 class Job(Struct, frozen=True):
@@ -116,7 +117,9 @@ Reply = ReferenceRendered | ReferenceChecked
 
 
 def _begin(settings: Settings, on_step: OnStep) -> Callable[[Request], Reply]:
-    collection = Collection(Places(map(_path, settings.collections)))
+    collection = Collection(
+        Places(map(_path, settings.collections), (), map(_path, settings.scenes))
+    )
 
     def progress(done: int, count: int) -> None:
         # Each sample is a step, so that long renderings are not taken for endless ones.

@@ -109,8 +109,14 @@ class Surfaces:
             frozenset(name for name, values in tables.items() if values.any()),
         )
 
-    def intersect(self, line: Line, active: Any, limit: Any = math.inf) -> Hit:
-        """Return the next hit of `line`, before `limit` meters along it."""
+    def intersect(
+        self, line: Line, active: Any, limit: Any = math.inf, to_light: bool = False
+    ) -> Hit:
+        """Return the next hit of `line`, before `limit` meters along it.
+
+        `to_light` says that light comes along the line, from its end: it passes culled surfaces at
+        whose backs it arrives, not those whose backs the line meets.
+        """
         mitsuba, drjit = self.mitsuba, self.drjit
         start = mitsuba.Ray3f(line.o + line.d * line.along, line.d)
         start.maxt = drjit.maximum(limit - line.along, 0)
@@ -134,7 +140,8 @@ class Surfaces:
             met = self.solids.meet(line.nest, rank, outside, fresh & (rank > 0))
             inner, before, behind, index = met.inner, met.before, met.behind, met.index
             fresh = fresh & ~met.hidden
-        layer = self._layer(si, row, -drjit.dot(n, line.d), outside, inner & outside, index, fresh)
+        front = outside ^ to_light
+        layer = self._layer(si, row, -drjit.dot(n, line.d), front, inner & outside, index, fresh)
         if self.has & {VARIED + "threshold", VARIED + "culled"}:
             # Where a surface is not drawn, there is none.
             fresh = fresh & (layer.coverage > 0)
@@ -163,12 +170,12 @@ class Surfaces:
         si: Any,
         row: Any,
         cosine: Any,
-        outside: Any,
+        front: Any,
         nested: Any,
         relative: Any,
         active: Any,
     ) -> Layer:
-        """Return the material of object `row`, seen from its front where `outside`.
+        """Return the material of object `row`, which sight or light meets from its `front`.
 
         Where `nested`, the surface lies inside of a solid, and F₀ follows from the index
         `relative`.
@@ -177,7 +184,7 @@ class Surfaces:
         color, number = self._color, self._number
         columns = self.variation.columns
         numbers = {name: number(VARIED + name, row, active) for name in columns}
-        factors = self.variation.at(si, numbers, outside, active)
+        factors = self.variation.at(si, numbers, front, active)
         coverage, light = number("coverage", row, active), self._light(si, active)
         transmission, albedo = (color(one, row, active) for one in ("transmission", "albedo"))
         roughness = number("roughness", row, active)
