@@ -10,7 +10,7 @@ detail : float
 seed : int
     Seed of trees and undergrowth.
 near : float
-    Distance of the near plane from the camera, m. The ground begins at 3.3 m in the picture.
+    Distance of the near plane from the camera, m. The nearest leaves are 2.5 to 3 m away.
 
 A card shows a whole twig, the frond of a fern or a tuft of grass, drawn once with smooth edges into
 a texture of coverage: foliage is composited, not tested against a threshold. Depth complexity is
@@ -23,23 +23,22 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from oitbench.modeling.baking import Rig, diffuse, normals_of, tint, with_radiance
-from oitbench.modeling.detail import DETAIL, copies, divisions
+from oitbench.modeling.detail import DETAIL, copies, divisions, enlargement
 from oitbench.modeling.mesh import grid
-from oitbench.modeling.placement import merge, scatter
-from oitbench.modeling.props.leaves import card_frames
-from oitbench.modeling.props.sprays import Spray, frond, grass, twig
+from oitbench.modeling.placement import merge
+from oitbench.modeling.props.sprays import Growth, bent_cards, frond, grass, twig
 from oitbench.modeling.tubes import tubes
 from oitbench.modeling.voxels import density
 from oitbench.parameters import Parameter
 from oitbench.scene import RGB, WHITE, Camera, Floats, Material, Mesh, Object, Scene, unit
 
 quick = False
-near = 2.5
+near = 2.2
 parameters = {
     "detail": DETAIL,
     "seed": Parameter(1, low=0, help="seed of trees and undergrowth"),
@@ -58,33 +57,7 @@ TRANSMITTED = np.array([1.15, 1.15, 0.40])
 """Factor on the light that leaves pass rather than reflect."""
 TREES, SPACING, PATH = 84, 2.4, 1.7  # number, least distances between trees and from the path
 LEAVES = 135  # cards of a tree
-ARCHED = 0.32  # how far the tip of a frond bends down, in half lengths, over four
 SAPLINGS, FERNS, TUFTS = 112, 200, 560
-
-
-@dataclass(frozen=True, eq=False)
-class Growth:
-    """Cards of one kind, with their foot at a place and their tip along a direction.
-
-    Parameters
-    ----------
-    name : str
-    feet, tips, uppers : array, shape (n, 3)
-        Meters, and directions of the tips and of the upper sides.
-    half : (float, float)
-        Half the width and half the length of a card, meters.
-    colors : tuple of RGB
-        Ramp of albedo.
-    spray : Spray
-    """
-
-    name: str
-    feet: Floats
-    tips: Floats
-    uppers: Floats
-    half: tuple[float, float]
-    colors: tuple[RGB, ...]
-    spray: Spray
 
 
 def build(*, name: str, detail: float, seed: int) -> Scene:
@@ -92,7 +65,10 @@ def build(*, name: str, detail: float, seed: int) -> Scene:
     streams = [np.random.default_rng([seed, index]) for index in range(4)]
     wood, crowns = _trees(streams[0], detail)
     growths = (*crowns, *_undergrowth(streams[1], detail))
-    placed = [(growth, _cards(streams[2], growth, detail)) for growth in growths]
+    placed = [
+        (growth, bent_cards(streams[2], growth, enlargement(LEAVES, copies(LEAVES, detail))))
+        for growth in growths
+    ]
     light = _Light(streams[3], placed)
     opaque = {"sky": _sky(), "ground": light.ground(_ground(detail)), "trees": light.wood(wood)}
     objects = [Object(key, mesh, Material(emission=WHITE)) for key, mesh in opaque.items()]
@@ -108,20 +84,17 @@ def _path(z: Floats) -> Floats:
 
 
 def _places(random: np.random.Generator, count: int, gap: float, path: float) -> Floats:
-    """Return random places (x, 0, z) on the ground before the camera, `gap` meters apart."""
-    found: list[Floats] = []
-    for _ in range(60 * count):
-        z = -4.5 - 62.0 * random.random() ** 1.5
-        x = random.uniform(-1, 1) * (2.0 - 0.85 * z)
-        place = np.array([x, 0.0, z])
-        if abs(x - _path(z)) < path or any(
-            np.hypot(*(place - other)[::2]) < gap for other in found
-        ):
-            continue
-        found.append(place)
+    """Return random places (x, 0, z) before the camera, `gap` meters apart, beside the path."""
+    z = -4.5 - 62.0 * random.random(40 * count) ** 1.5
+    x = random.uniform(-1, 1, len(z)) * (2.0 - 0.85 * z)
+    beside = np.abs(x - _path(z)) > path
+    found = np.empty((0, 3))
+    for place in np.stack([x, 0 * x, z], axis=1)[beside]:
         if len(found) == count:
             break
-    return np.array(found)
+        if (np.linalg.norm(found - place, axis=1) > gap).all():
+            found = np.concatenate([found, place[None]])
+    return found
 
 
 def _trees(random: np.random.Generator, detail: float) -> tuple[Mesh, tuple[Growth, ...]]:
@@ -214,21 +187,8 @@ def _undergrowth(random: np.random.Generator, detail: float) -> Iterator[Growth]
             tips, uppers = [0, 1, 0] + 0.15 * level, level[:, [2, 1, 0]]
             feet = feet + 0.25 * random.normal(size=feet.shape) * [1, 0, 1]
             spray = grass(random)
-        yield Growth(label, feet, tips, uppers, half, colors, spray)
-
-
-def _cards(random: np.random.Generator, growth: Growth, detail: float) -> Mesh:
-    """Return the cards, bent over lengthwise."""
-    count = len(growth.feet)
-    size = random.uniform(0.75, 1.2, (count, 1)) * (1 / min(detail, 1.0)) ** 0.5
-    width, length = growth.half
-    centers = growth.feet + unit(growth.tips) * (length * size * 0.95)
-    frames = card_frames(centers, growth.tips, growth.uppers, width * size, length * size)
-    card = grid((0, 0, 0), (1, 0, 0), (0, 1, 0), 1, 2)
-    y = card.positions[:, 1]
-    bend = ARCHED if growth.name == "ferns" else 0.11
-    bent = card.positions - [0, 0, 1] * (bend * (y + 1) ** 2)[:, None]
-    return scatter(replace(card, positions=bent), frames)
+        bend = 0.32 if label == "ferns" else 0.11
+        yield Growth(label, feet, tips, uppers, half, colors, spray, bend)
 
 
 class _Light:

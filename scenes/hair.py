@@ -13,7 +13,7 @@ alpha : float
 seed : int
     Seed of the strands.
 near : float
-    Distance of the near plane from the camera, m. The hair begins at 1.24 m.
+    Distance of the near plane from the camera, m. The hair begins at 1.32 m.
 
 Hundreds of strands lie behind each other at the silhouette, and all of them within 0.25 m of depth:
 weights that fall with distance hardly differ. Hair soon hides what is behind it, so that the first
@@ -51,7 +51,7 @@ from oitbench.scene import (
 )
 
 quick = False
-near = 1.1
+near = 1.2
 parameters = {
     "detail": DETAIL,
     "alpha": Parameter(0.5, low=0.0, high=1.0, help="coverage of a strand that fills a pixel"),
@@ -84,7 +84,7 @@ def build(*, name: str, detail: float, alpha: float, seed: int) -> Scene:
     """Return the backdrop, the bust and the hair."""
     count = copies(STRANDS, detail)
     random = np.random.default_rng(seed)
-    curves = grow(random, count, divisions(POINTS, detail**0.6, 6))
+    curves = grow(random, count, divisions(POINTS, detail, 6))
     share = STRANDS / count
     shadows = _Shadows(curves, share)
     shades = _shades(random, curves, shadows)
@@ -149,7 +149,7 @@ def _shades(random: np.random.Generator, curves: Floats, shadows: _Shadows) -> F
         first = _lobe(across - 0.06 + shift, 60)[..., None] * 0.26
         second = _lobe(across + 0.10 + shift, 14)[..., None] * 1.25 * color
         total = total + light * lit * (0.75 * color * sine + first + second)
-    return total
+    return np.asarray(total)
 
 
 def _lobe(cosine: Floats, exponent: float) -> Floats:

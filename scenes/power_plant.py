@@ -12,7 +12,7 @@ alpha : float
 seed : int
     Seed of the routes of the pipes.
 near : float
-    Distance of the near plane from the camera, m. The ground begins at 19 m in the picture.
+    Distance of the near plane from the camera, m. The frame begins at 31 m.
 
 Long, thin parts cross in all directions, so that no order of objects, or even of triangles, is
 right, and thin bright lines alias without several samples per pixel. Depth complexity is up to some
@@ -47,7 +47,7 @@ from oitbench.parameters import Parameter
 from oitbench.scene import RGB, WHITE, Camera, Floats, Material, Mesh, Object, Scene, Texture, unit
 
 quick = False
-near = 16.0
+near = 26.0
 parameters = {
     "detail": DETAIL,
     "alpha": Parameter(0.38, low=0.0, high=1.0, help="coverage of pipes"),
@@ -262,7 +262,7 @@ class _Light:
         )
         light = CONCRETE * diffuse(normals_of(mesh), SUN, lit, up)
         far = np.exp(-((np.hypot(points[:, 0], points[:, 2]) / 55) ** 2))[:, None]
-        return with_radiance(mesh, HAZE + (light - HAZE) * far)
+        return with_radiance(mesh, np.asarray(HAZE) * (1 - far) + light * far)
 
 
 def _ground(detail: float) -> Mesh:

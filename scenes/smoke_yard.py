@@ -100,8 +100,7 @@ RUBBER = Material(albedo=(0.035, 0.035, 0.04), specular=0.0)
 WIRE: RGB = (0.20, 0.205, 0.21)
 GLASS = Material(coverage=1.0, transmission=(0.82, 0.82, 0.82), specular=0.05, roughness=0.0)
 PANE = Material(coverage=1.0, transmission=(0.74, 0.74, 0.74), specular=0.06, roughness=0.0)
-# Vehicle, place, turn in degrees, and paint.
-VEHICLES: tuple[tuple[str, Shape, Vector, float, RGB], ...] = (
+VEHICLES: tuple[tuple[str, Shape, Vector, float, RGB], ...] = (  # place, turn, paint
     ("van", VAN, (-2.85, 0.0, -6.6), 12.0, (0.10, 0.20, 0.25)),
     ("sedan", SEDAN, (2.75, 0.0, -6.5), -162.0, (0.24, 0.03, 0.022)),
 )
@@ -153,7 +152,8 @@ def _smoke(random: np.random.Generator, detail: float, alpha: float) -> Iterator
     sections = []
     for bank in banks:
         assert isinstance(bank.material.coverage, Texture)
-        thickness = -np.log1p(-bank.material.coverage.texels.astype(np.float64)).mean()
+        covers = np.minimum(bank.material.coverage.texels.astype(np.float64), 0.999)
+        thickness = -np.log1p(-covers).mean()
         sections.append(thickness * (2 * bank.radii) ** 2)
     centers = np.concatenate([bank.centers for bank in banks])
     cloud = density(centers, np.concatenate(sections), LOW, HIGH, CELL).smoothed(CELL)
@@ -182,7 +182,7 @@ def _banks(random: np.random.Generator, detail: float, alpha: float) -> Iterator
     spread = (0.25 + 0.5 * along)[:, None] * random.normal(size=(count, 3)) * [1, 0.6, 1]
     centers = np.multiply(DRUM, (1, 0, 1)) + path + spread
     radii = np.minimum(0.60 * random.uniform(0.75, 1.25, count), 0.9 * centers[:, 1])
-    yield _Bank("drift", centers, radii, smoke(3.2 * alpha, ALBEDO, DRIFT, count))
+    yield _Bank("drift", centers, radii, smoke(min(3.2 * alpha, 1.0), ALBEDO, DRIFT, count))
     count = copies(VEIL, detail)
     height, across = 0.9 + 1.5 * random.random(count) ** 2, random.uniform(-4.6, 4.6, count)
     centers = np.stack([across, height, random.uniform(-14.5, -5.4, count)], axis=1)
@@ -196,7 +196,7 @@ def _parked(detail: float) -> Iterator[Object]:
         parts = vehicle(shape, detail).transformed(
             translation(place) @ rotation((0, 1, 0), math.radians(turn))
         )
-        yield Object(label, parts.paint, Material(albedo=paint, specular=0.04, roughness=0.3))
+        yield Object(label, parts.paint, Material(albedo=paint, specular=0.02, roughness=0.25))
         yield Object(f"tires of the {label}", parts.rubber, RUBBER)
         yield Object(f"metal of the {label}", parts.metal, STEEL)
         yield Object(f"windows of the {label}", parts.glass, GLASS)
@@ -280,7 +280,7 @@ def _foliage(random: np.random.Generator, detail: float) -> Iterator[Object]:
     cards = scatter(quad((0, 0, 0), (1, 0, 0), (0, 1, 0)), rows)
     shades = tint(random.random(len(rows)).repeat(len(cards.positions) // len(rows)), SHADES)
     spray = twig(random, 130, (0.10, 0.15))
-    green = Texture(np.clip(spray.color.texels * np.float32(GREEN), 0, 1))
+    green = Texture(np.clip(spray.color.texels * np.asarray(GREEN, np.float32), 0, 1))
     leaves = Material(coverage=spray.coverage, albedo=green, specular=0.0)
     yield Object("bushes", replace(cards, albedo=shades.astype(np.float32)), leaves)
 

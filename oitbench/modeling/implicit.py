@@ -7,6 +7,7 @@ the distance to its surface elsewhere. Bodies that are joined smoothly have no c
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 
@@ -79,13 +80,14 @@ def surface(distance: Distance, low: Vector, high: Vector, cell: float) -> Mesh:
     """
     import skimage.measure
 
+    marching_cubes: Any = skimage.measure.marching_cubes
     counts = np.ceil(np.subtract(high, low) / (COARSE * cell)).astype(int) * COARSE + 1
     lines = [np.linspace(*ends) for ends in zip(low, high, counts, strict=True)]
     lattice = np.stack(np.meshgrid(*lines, indexing="ij"), axis=-1)
     values = _sampled(distance, lattice)
     spacing = [float(line[1] - line[0]) for line in lines]
-    points, triangles, _, _ = skimage.measure.marching_cubes(
-        values, 0.0, spacing=spacing, allow_degenerate=False, gradient_direction="ascent"
+    points, triangles, _, _ = marching_cubes(
+        values, 0.0, spacing=spacing, allow_degenerate=False, gradient_direction="descent"
     )
     places = points.astype(np.float64) + np.asarray(low)
     return Mesh.from_arrays(places, triangles, normals=gradients(distance, places))

@@ -45,7 +45,7 @@ class Voxels:
     def _slopes(self) -> tuple[Voxels, ...]:
         """The derivatives along the three axes."""
         slopes = np.gradient(self.values, *self.spacing)
-        return tuple(Voxels(self.low, self.high, slope) for slope in slopes)
+        return tuple(Voxels(self.low, self.high, np.asarray(slope)) for slope in slopes)
 
     def gradient(self, points: Floats) -> Floats:
         """Return the direction, shape (..., 3), in which the values rise; of unit length."""

@@ -8,6 +8,8 @@ from tests.scenes.helpers import COLLECTION, build, with_detail
 
 SMALL, FULL = 0.1, 1.0
 """Values of the parameter `detail`."""
+FULL_OF = {"hair": 0.25}
+"""Those of scenes that take seconds to build at detail 1."""
 SHADOWED = Effect.SHADOWS | Effect.TRANSLUCENT_SHADOWS
 GRAY = Effect.COVERAGE
 COLORED = GRAY | Effect.COLORED_TRANSMISSION
@@ -25,6 +27,7 @@ EFFECTS = {
     "foggy_street[collimation=1]": GRAY | SHADOWED | Effect.VOLUME,
     "foliage": GRAY,
     "foliage[light=sky]": GRAY | SHADOWED | Effect.AMBIENT_OCCLUSION | Effect.INFERRED_AO,
+    "forest": GRAY,
     "fragment_lists": GRAY,
     "fragment_lists[tinted=true]": COLORED,
     "frosted_door": GRAY | SHADOWED | Effect.DIFFUSION,
@@ -33,14 +36,17 @@ EFFECTS = {
     "glass_bars": COLORED,
     "glow": COLORED_CASTERS,
     "glow[opacity=1]": COLORED_CASTERS,
+    "hair": GRAY,
     "layer_stack": GRAY,
     "layer_stack[transmission=gray]": GRAY,
     "layer_stack[transmission=colored]": COLORED,
     "light_shafts": COLORED_CASTERS | Effect.VOLUME,
+    "power_plant": GRAY,
     "shadow_trio": REFRACTING,
     "smoke_and_glass": REFRACTING,
     "smoke_ball": GRAY | SHADOWED,
     "smoke_ball[cube=above]": GRAY | SHADOWED,
+    "smoke_yard": GRAY | SHADOWED,
     "tumblers": REFRACTING,
     "water_and_smoke": REFRACTING,
 }
@@ -50,6 +56,16 @@ CASES = sorted({*EFFECTS, *COLLECTION.scenes})
 
 def name_of(case: str) -> str:
     return case.partition("[")[0]
+
+
+def full(case: str) -> float:
+    """Return the detail at which a scene counts as complete."""
+    return FULL_OF.get(name_of(case), FULL)
+
+
+def sized(case: str, complete: bool) -> Scene:
+    """Return the scene at small or full detail."""
+    return build(with_detail(case, full(case) if complete else SMALL))
 
 
 def small(case: str) -> Scene:

@@ -18,10 +18,18 @@ from oitbench.effects import Effect
 from oitbench.errors import UsageError
 from oitbench.parameters import AnyParameter, text
 from oitbench.scene import Scene
-from tests.scenes.cases import CASES, EFFECTS, FULL, SMALL, name_of
+from tests.scenes.cases import CASES, EFFECTS, SMALL, full, name_of, sized
 from tests.scenes.helpers import COLLECTION, build, particles, with_detail
 
-MOST_TRIANGLES = {"bottles": 160_000, "courtyard": 90_000, "engine": 140_000, "foliage": 140_000}
+MOST_TRIANGLES = {
+    "bottles": 160_000,
+    "courtyard": 90_000,
+    "engine": 140_000,
+    "foliage": 140_000,
+    "forest": 220_000,
+    "hair": 500_000,
+    "power_plant": 300_000,
+}
 """Limits that differ from 60,000."""
 FRACTION = ("-0.1", "1.5", "nan")
 IMPOSSIBLE = {
@@ -84,10 +92,10 @@ def test_a_scene_documents_itself_and_its_parameters(name: str) -> None:
     assert sorted(", ".join(documented).split(", ")) == sorted(plugin.parameters)
 
 
-@pytest.mark.parametrize("detail", [SMALL, FULL])
+@pytest.mark.parametrize("complete", [False, True])
 @pytest.mark.parametrize("case", CASES)
-def test_a_scene_requests_the_effects_that_it_claims(case: str, detail: float) -> None:
-    effects = build(with_detail(case, detail)).effects
+def test_a_scene_requests_the_effects_that_it_claims(case: str, complete: bool) -> None:
+    effects = sized(case, complete).effects
     assert effects
     assert effects == EFFECTS.get(case, effects)
 
@@ -159,7 +167,7 @@ def test_values_at_the_bounds_are_accepted_or_contradict_another_parameter(name:
 @pytest.mark.parametrize("name", COLLECTION.scenes)
 def test_detail_scales_the_number_of_triangles(name: str) -> None:
     # A plane of the stack is two triangles up to detail 1.
-    details = (1, 16) if name == "layer_stack" else (SMALL, FULL)
+    details = (1, 16) if name == "layer_stack" else (SMALL, full(name))
     coarse, fine = (build(f"{name}[detail={detail}]") for detail in details)
     every = all_triangles(fine) / all_triangles(coarse)
     assert every > 1.5
@@ -171,5 +179,5 @@ def test_detail_scales_the_number_of_triangles(name: str) -> None:
 
 @pytest.mark.parametrize("name", COLLECTION.scenes)
 def test_the_number_of_triangles_is_limited(name: str) -> None:
-    scene = build(f"{name}[detail={FULL}]")
+    scene = build(f"{name}[detail={full(name)}]")
     assert scene.lists is not None or all_triangles(scene) < MOST_TRIANGLES.get(name, 60_000)

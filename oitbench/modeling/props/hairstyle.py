@@ -21,7 +21,7 @@ GATHERED = (-0.082, 0.0, 0.030)
 """Place before one shoulder, meters, where all hair but that of the other side is gathered."""
 LOCKS = 260
 """Number of locks, each of which follows one guide."""
-_LOW, _HIGH, _CELL = (-0.27, -0.37, -0.20), (0.27, 0.17, 0.19), 0.009
+_LOW, _HIGH, _CELL = (-0.27, -0.37, -0.20), (0.27, 0.17, 0.19), 0.012
 _STEPS, _STEP = 64, 0.0075
 """Steps of a guide, and their length in meters."""
 
@@ -139,4 +139,4 @@ def _strands(
         inside = np.maximum(0.0015 - body.at(curves), 0)[..., None]
         curves = curves + inside * body.gradient(curves)
     curves[:, 0] = roots
-    return curves
+    return np.asarray(curves)

@@ -43,8 +43,8 @@ def rounded(corners: Floats, radius: float) -> Floats:
     reach = np.minimum(radius, 0.45 * np.minimum(lengths[:, :-1], lengths[:, 1:]))
     middle = corners[:, 1:-1]
     start, end = middle - reach * ways[:, :-1], middle + reach * ways[:, 1:]
-    # The middle of a quarter circle is 0.29 of the way from the chord to the corner.
-    inner = (start + end) / 2 + (2 - math.sqrt(2)) * (middle - (start + end) / 2)
+    # The middle of a quarter circle is 0.41 of the way from the chord to the corner.
+    inner = (start + end) / 2 + (math.sqrt(2) - 1) * (middle - (start + end) / 2)
     elbows = np.stack([start, inner, end], axis=2).reshape(len(corners), -1, 3)
     return np.concatenate([corners[:, :1], elbows, corners[:, -1:]], axis=1)
 

@@ -1,4 +1,4 @@
-"""Textures of sprays: twigs with many leaves on one card, ferns and grass.
+"""Sprays: twigs with many leaves, ferns and grass, each on one card.
 
 A texture is painted leaf by leaf on subsamples that are covered or not, and averaged.
 """
@@ -6,13 +6,15 @@ A texture is painted leaf by leaf on subsamples that are covered or not, and ave
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
 
-from oitbench.modeling.props.leaves import Shape, lance, ovate
-from oitbench.scene import RGB, Floats, Texture
+from oitbench.modeling.mesh import grid
+from oitbench.modeling.placement import scatter
+from oitbench.modeling.props.leaves import Shape, card_frames, lance, ovate
+from oitbench.scene import RGB, Floats, Mesh, Texture, unit
 
 SIDE = 256
 """Texels along a side."""
@@ -20,7 +22,7 @@ BORDER = 6
 """Empty texels along each edge."""
 SHOOTS = 9
 """Shoots on the sides of a twig."""
-_SUBSAMPLES = 3
+_SUBSAMPLES = 2
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,6 +38,34 @@ class Spray:
 
     coverage: Texture
     color: Texture
+
+
+@dataclass(frozen=True, eq=False)
+class Growth:
+    """Cards of one kind, with their foot at a place and their tip along a direction.
+
+    Parameters
+    ----------
+    name : str
+    feet, tips, uppers : array, shape (n, 3)
+        Meters, and directions of the tips and of the upper sides.
+    half : (float, float)
+        Half the width and half the length of a card, meters.
+    colors : tuple of RGB
+        Ramp of albedo.
+    spray : Spray
+    bend : float
+        How far a tip bends down, in quarters of a half length.
+    """
+
+    name: str
+    feet: Floats
+    tips: Floats
+    uppers: Floats
+    half: tuple[float, float]
+    colors: tuple[RGB, ...]
+    spray: Spray
+    bend: float = 0.11
 
 
 class _Canvas:
@@ -180,3 +210,16 @@ def grass(random: np.random.Generator, blades: int = 26) -> Spray:
             canvas.stroke(place, ahead, 0.036 * (1 - index / 7.5), color)
             place = ahead
     return canvas.spray()
+
+
+def bent_cards(random: np.random.Generator, growth: Growth, scale: float) -> Mesh:
+    """Return the cards of a growth, of sizes about `scale` times theirs, bent over lengthwise."""
+    count = len(growth.feet)
+    size = scale * random.uniform(0.75, 1.2, (count, 1))
+    width, length = growth.half
+    centers = growth.feet + unit(growth.tips) * (length * size * 0.95)
+    frames = card_frames(centers, growth.tips, growth.uppers, width * size, length * size)
+    card = grid((0, 0, 0), (1, 0, 0), (0, 1, 0), 1, 2)
+    y = card.positions[:, 1]
+    bent = card.positions - [0, 0, 1] * (growth.bend * (y + 1) ** 2)[:, None]
+    return scatter(replace(card, positions=bent), frames)

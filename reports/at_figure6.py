@@ -1,0 +1,120 @@
+"""All methods beside exact compositing, with their differences from it times eight.
+
+Arranged as figure 6 of Salvi et al. 2011, "Adaptive Transparency": a row of pictures for each
+scene, and below each picture |method − exact| of the displayed colors, enhanced by a factor of
+eight and clipped. The number is mean FLIP against exact compositing.
+"""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from oitbench.image.files import Image
+from oitbench.report import Artifact, Figure, Note, ReportContext, figures, plates
+from oitbench.results.records import Panel
+from oitbench.results.schema import Record
+from oitbench.truths import EXACT
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure as Canvas
+
+title = "Differences from exact compositing, times eight"
+order = 31
+
+FACTOR = 8
+_ROWS = 4
+"""Scenes in one figure."""
+_WIDTH, _WIDEST = 13.0, 2.4
+"""Inches: of all pictures of a row, and the most for one."""
+_LABEL, _NAME, _GAP = 0.34, 0.22, 0.06
+"""Inches: room above the first row, above each row, and between pictures."""
+
+
+@dataclass(frozen=True)
+class _Row:
+    """A scene: its panel, its exact picture, and the methods' cells by label."""
+
+    panel: Panel
+    exact: Image
+    cells: dict[str, Record]
+
+
+def build(context: ReportContext) -> list[Artifact]:
+    """Draw one figure for every four scenes."""
+    rows = [*_rows(context)]
+    if not rows:
+        return [Note("No scene has a picture of exact compositing yet.")]
+    groups = [rows[start : start + _ROWS] for start in range(0, len(rows), _ROWS)]
+    return [_figure(context, group, number) for number, group in enumerate(groups, 1)]
+
+
+def _rows(context: ReportContext) -> Iterator[_Row]:
+    for panel in context.results.panels():
+        exact = plates.first_image(context, panel, EXACT)
+        if exact is not None:
+            yield _Row(panel, exact, {cell.method: cell for cell in panel.finished})
+
+
+def difference(picture: Image, exact: Image, stops: float) -> Image:
+    """Return the difference of the displayed colors times `FACTOR`, clipped to [0, 1]."""
+    apart = plates.display(picture, stops) - plates.display(exact, stops)
+    return np.asarray(np.clip(FACTOR * np.abs(apart), 0, 1))
+
+
+def _figure(context: ReportContext, rows: Sequence[_Row], number: int) -> Figure:
+    """Draw the rows of some scenes; a method that lacks one leaves a gap there."""
+    labels = [*dict.fromkeys(label for row in rows for label in row.cells)]
+    width = min(_WIDEST, _WIDTH / (len(labels) + 1) - _GAP)
+    sizes = [plates.fitted(row.panel.size, width) for row in rows]
+    heights = [_NAME + 2 * tall + 2 * _GAP for _, tall in sizes]
+    across = (width + _GAP) * (len(labels) + 1) + 2 * plates.MARGIN
+    with figures.canvas(across, sum(heights) + _LABEL + plates.MARGIN, by_hand=True) as canvas:
+        top = _LABEL
+        for place, label in enumerate(["exact", *labels]):
+            left = plates.MARGIN + place * (width + _GAP)
+            _text(canvas, textwrap.fill(label, max(8, int(14 * width))), left, top - 0.03, 7)
+        for row, (_, tall), height in zip(rows, sizes, heights, strict=True):
+            _text(canvas, row.panel.title, plates.MARGIN, top + _NAME - 0.03, 7.5)
+            _draw_row(context, canvas, row, labels, (top + _NAME, width, tall))
+            top += height
+        caption = (
+            "Upper pictures: the image at the exposure of the scene. Lower pictures: its "
+            f"difference from exact compositing, times {FACTOR}. Numbers: mean {context.flip}."
+        )
+        path = context.out / f"differences-{number}"
+        return figures.save(canvas, path, title=title, caption=caption)
+
+
+def _draw_row(
+    context: ReportContext,
+    canvas: Canvas,
+    row: _Row,
+    labels: Sequence[str],
+    box: tuple[float, float, float],
+) -> None:
+    """Draw the pictures of a scene from `box`: top, width and height of the first, in inches."""
+    top, width, tall = box
+    stops = plates.exposure(row.panel.finished)
+    plates.draw_picture(canvas, plates.display(row.exact, stops), plates.MARGIN, top, width)
+    for place, label in enumerate(labels, 1):
+        left = plates.MARGIN + place * (width + _GAP)
+        picture = context.results.image(row.cells[label], "color") if label in row.cells else None
+        if picture is None:
+            continue
+        plates.draw_picture(canvas, plates.display(picture, stops), left, top, width)
+        below = top + tall + _GAP / 2
+        plates.draw_picture(canvas, difference(picture, row.exact, stops), left, below, width)
+        for value in plates.error_text(context, row.cells[label], EXACT):
+            _text(canvas, value, left, top - 0.03, 6)
+
+
+def _text(canvas: Canvas, text: str, left: float, bottom: float, size: float) -> None:
+    """Write text above a place in inches from the upper left."""
+    across, tall = canvas.get_size_inches()
+    place = left / across, 1 - bottom / tall
+    canvas.text(*place, text, fontsize=size, verticalalignment="bottom", linespacing=1.1)
