@@ -116,7 +116,7 @@ def build(*, name: str, detail: float) -> Scene:
         objects=objects,
         lights=(_studio(),),
         meters_per_unit=0.001,
-        full_samples=16,
+        full_samples=24,
     )
 
 
