@@ -146,7 +146,7 @@ def build(*, name: str, detail: float, alpha: float, seed: int) -> Scene:
         ),
         lights=(LAMP, _daylight()),
         meters_per_unit=0.1,
-        full_samples=64,
+        full_samples=104,
     )
 
 
