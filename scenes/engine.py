@@ -93,7 +93,9 @@ PAINTS: dict[str, tuple[float, RGB]] = {
     "bolts": (0.85, (0.14, 0.145, 0.16)),
 }
 CAMERA = Camera(position=(-790, 640, 900), target=(14, 136, 20), fov_y=math.radians(31))
-REAR_VIEW = Camera(position=(830, 420, -920), target=(-14, 138, 0), fov_y=math.radians(31))
+REAR_VIEW = Camera(
+    position=(850, 430, -940), target=(-14, 130, 0), fov_y=math.radians(32), near=900.0
+)
 
 
 def build(*, name: str, detail: float) -> Scene:
@@ -116,7 +118,7 @@ def build(*, name: str, detail: float) -> Scene:
         objects=objects,
         lights=(_studio(),),
         meters_per_unit=0.001,
-        full_samples=16,
+        full_samples=24,
     )
 
 

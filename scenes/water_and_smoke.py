@@ -128,15 +128,19 @@ LAMP = SpotLight(
     intensity=(3.4, 3.25, 2.95),
     angle=math.radians(60),
 )
+# From below the water's surface, which mirrors what is in the water.
+LOW_VIEW = Camera(
+    position=(0.9, 0.95, 7.4), target=(0.1, 1.35, -0.4), fov_y=math.radians(33), near=3.8
+)
 
 
 def build(*, name: str, detail: float, alpha: float, seed: int) -> Scene:
     """Return the table, the tank with all that is in the water, the smoke and the panes."""
-    camera = Camera(position=(0.75, 2.6, 7.4), target=(0.02, 1.25, -0.4), fov_y=math.radians(33))
     streams = [np.random.default_rng([seed, stream]) for stream in range(3)]
     return Scene(
         name=name,
-        camera=camera,
+        camera=Camera(position=(0.75, 2.6, 7.4), target=(0.02, 1.25, -0.4), fov_y=math.radians(33)),
+        views={"low": LOW_VIEW},
         objects=(
             *_room(),
             *_panes(),
@@ -146,7 +150,7 @@ def build(*, name: str, detail: float, alpha: float, seed: int) -> Scene:
         ),
         lights=(LAMP, _daylight()),
         meters_per_unit=0.1,
-        full_samples=64,
+        full_samples=104,
     )
 
 

@@ -7,7 +7,7 @@ import numpy as np
 from oitbench.scene import DirectionalLight, SpotLight
 from oitbench.scene.texturing import constant
 from tests.meshes import bounds, count_hits, hits
-from tests.scenes.helpers import build, center, named, view_rays
+from tests.scenes.helpers import build, center, named, seen, view_rays
 
 PLANTS = ("tree", "bough", "vine", "creeper", "blossoms", "lily", "laurel", "ivy")
 
@@ -72,3 +72,14 @@ def test_all_kinds_of_transparency_are_in_the_picture() -> None:
     low, high = bounds(named(scene, "wine glasses").mesh)
     assert low[1] > 0.7
     assert high[1] < 1.0
+
+
+def test_views_look_at_the_laid_table_and_up_into_the_crown() -> None:
+    scene = build("courtyard[detail=0.3]")
+    for view, name in (("table", "flames"), ("tree", "tree")):
+        camera = scene.from_view(view).camera
+        points = named(scene, name).mesh.positions
+        distance = camera.view_distance(points)
+        nearest = points[(distance > 0) & (distance < distance[distance > 0].min() + 0.1)]
+        assert (np.abs(seen(camera, nearest)) < 1).all(axis=1).mean() > 0.5
+    assert scene.from_view("tree").camera.axes[2][1] < -0.2  # it looks up

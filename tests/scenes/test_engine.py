@@ -7,7 +7,7 @@ import numpy as np
 from oitbench.effects import Effect
 from oitbench.modeling.placement import merge
 from tests.meshes import bounds, count_hits, hits
-from tests.scenes.helpers import build, named, view_distances, view_rays
+from tests.scenes.helpers import build, named, nearest_visible, seen, view_distances, view_rays
 
 
 def test_every_part_is_a_gray_or_colored_cover_that_transmits_nothing() -> None:
@@ -30,6 +30,21 @@ def test_a_ray_to_the_middle_crosses_many_close_layers() -> None:
     ray = np.subtract(scene.camera.target, scene.camera.position)
     gaps = np.diff(hits(whole, scene.camera.position, ray)) * np.linalg.norm(ray)
     assert np.median(gaps) < 0.02
+
+
+def test_both_views_show_the_whole_engine_from_opposite_sides() -> None:
+    scene = build("engine[detail=0.1]")
+    rear = scene.from_view("rear")
+    for item in rear.objects:
+        assert (np.abs(seen(rear.camera, item.mesh.positions)) < 1).all(), item.name
+    nearest = min(nearest_visible(rear.camera, item.mesh) for item in rear.objects)
+    assert rear.camera.near < nearest < 1.5 * rear.camera.near
+    ahead = [view.camera.axes[2] for view in (scene, rear)]
+    assert ahead[0] @ ahead[1] < -0.3
+    # The gears are in front in one view, and the flywheel is in the other.
+    for view, first, last in ((scene, "gears", "flywheel"), (rear, "flywheel", "gears")):
+        near, far = (view_distances(view, named(view, name).mesh).mean() for name in (first, last))
+        assert near < far - 0.1
 
 
 def test_parts_are_nested_as_in_life() -> None:

@@ -69,3 +69,9 @@ def test_another_seed_moves_smoke_and_weeds() -> None:
         assert not np.array_equal(
             named(one, name).mesh.positions, named(other, name).mesh.positions
         )
+
+
+def test_the_low_view_is_from_below_the_surface_of_the_water() -> None:
+    scene = build("water_and_smoke[detail=0.1]")
+    surface = bounds(named(scene, "water").mesh)[1][1]
+    assert scene.from_view("low").camera.position[1] < surface < scene.camera.position[1]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from oitbench.modeling.props.architecture import arch, column, globe, lamp_post, window_wall
+from oitbench.modeling.props.architecture import arcade, arch, column, globe, lamp_post, window_wall
 from oitbench.scene import Mesh
 from tests.meshes import agreement, bounds, has_unit_normals, hits
 
@@ -50,3 +50,12 @@ def test_reveals_face_into_their_openings() -> None:
         # The springing line of an arch is in the plane of its middle and faces down.
         assert (np.einsum("ij,ij->i", inward, bay.normals[reveal]) > -1e-6).all()
         assert reveal.sum() >= 4 * 24
+
+
+def test_an_arcade_is_open_between_its_columns() -> None:
+    wall, columns = arcade(3, 2.6, 2.2, 1.5, 5.0, 1.0)
+    for x, expected in ((-2.6, 0), (0, 0), (2.6, 0), (1.3, 2)):
+        assert len(hits(columns, (x + 0.013, 1.0, 5), (0, 0, -1))) == expected
+        assert len(hits(wall, (x + 0.013, 2.5, 5), (0, 0, -1))) == expected
+    assert bounds(wall)[1].tolist() == pytest.approx([3.9, 5.0, 0.21])
+    assert bounds(columns)[0][1] == 0

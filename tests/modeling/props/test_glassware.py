@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from oitbench.modeling.profiles import outline
-from oitbench.modeling.props.glassware import Vessel, ice_cube, tumbler, wine_glass
-from tests.meshes import signed_volume
+from oitbench.modeling.props.glassware import Vessel, ice_cube, tank, tumbler, wine_glass
+from tests.meshes import hits, signed_volume
 
 GAP = 0.0004
 
@@ -49,3 +49,20 @@ def test_ice_keeps_its_size_and_its_rounding() -> None:
     np.testing.assert_allclose(np.ptp(mesh.positions, axis=0), (0.03, 0.02, 0.025), rtol=1e-5)
     core = np.clip(mesh.positions, *(np.outer((-1, 1), (0.011, 0.006, 0.0085))))
     np.testing.assert_allclose(np.linalg.norm(mesh.positions - core, axis=1), 0.004, rtol=1e-3)
+
+
+def test_a_drink_of_negative_gap_reaches_into_the_wall_of_its_glass() -> None:
+    vessel = tumbler(0.03, 0.037, 0.095, 0.003, 0.009)
+    drink, glass = vessel.filling(0.06, -GAP, 1.0), vessel.glass(1.0)
+    origin = (-0.1, 0.04, 1e-4)
+    inner = hits(glass, origin, (1, 0, 0))[1]
+    depth = inner - hits(drink, origin, (1, 0, 0))[0]
+    assert depth == pytest.approx(GAP, rel=0.1)
+
+
+def test_a_tank_is_open_above_and_has_the_volume_of_its_walls() -> None:
+    glass = tank((0.4, 0.25, 0.2), 0.01)
+    walls = 0.4 * 0.25 * 0.2 - 0.38 * 0.24 * 0.18
+    assert signed_volume(glass) == pytest.approx(walls)
+    down = hits(glass, (0.013, 1.0, 0.017), (0, -1, 0))
+    np.testing.assert_allclose(down, [0.99, 1.0])

@@ -10,7 +10,9 @@ from oitbench.modeling.props.leaves import (
     Shape,
     blossom,
     card_frames,
+    colored_cards,
     lance,
+    leaf_card,
     leaf_mask,
     lobed,
     ovate,
@@ -52,3 +54,15 @@ def test_fewer_leaves_are_larger() -> None:
     assert len(many.shades) == 4 * len(few.shades)
     sizes = [np.linalg.norm(leaves.placements[:, :, 1], axis=1).mean() for leaves in (few, many)]
     assert sizes[0] == pytest.approx(2 * sizes[1], rel=0.1)
+
+
+def test_cards_have_the_colors_of_their_leaves() -> None:
+    plant = Plant("bush", (0, 0, 0), (1, 1, 1), ovate, (0.1, 0.1), 50, ((0, 0.2, 0), (0.4, 1, 0)))
+    leaves = place_leaves(plant, np.random.default_rng(1), 1.0)
+    cards = colored_cards(leaf_card(), leaves, plant)
+    assert cards.albedo is not None
+    albedo = cards.albedo.reshape(len(leaves.shades), -1, 3)
+    np.testing.assert_allclose(
+        albedo[..., 0], 0.4 * leaves.shades[:, None].repeat(12, 1), atol=1e-6
+    )
+    np.testing.assert_allclose(albedo[..., 2], 0)

@@ -7,7 +7,7 @@ from collections.abc import Callable
 import pytest
 
 from oitbench.modeling.props import chessmen
-from oitbench.modeling.props.glassware import ice_cube, tumbler, wine_glass
+from oitbench.modeling.props.glassware import ice_cube, tank, tumbler, wine_glass
 from oitbench.scene import Mesh
 from tests.meshes import agreement, boundary, has_unit_normals, signed_volume
 
@@ -21,6 +21,12 @@ SOLIDS: dict[str, Callable[[float], Mesh]] = {
     "ice": lambda detail: ice_cube((0.03, 0.02, 0.025), 0.004, detail),
     **chessmen.PIECES,
 }
+
+
+def test_a_tank_is_watertight_with_outward_normals() -> None:
+    mesh = tank((0.4, 0.25, 0.2), 0.01)
+    assert not len(boundary(mesh))
+    assert (agreement(mesh) > 0).all()
 
 
 @pytest.mark.parametrize("detail", [0.05, 0.3, 1.0])
