@@ -133,6 +133,7 @@ class Frame(Owner):
             mechanism=mechanism or device.mechanism,
             counted=counted,
         )
+        device.within(f"{method.label} (samples per pixel)", self.plan.samples, "GL_MAX_SAMPLES")
         if scene.geometry.coincident and self.plan.samples > 1:
             one, other = scene.geometry.coincident
             raise CapabilityError(
