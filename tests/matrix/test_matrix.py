@@ -74,8 +74,8 @@ def test_a_record_has_all_facts_for_reports(finished: Path) -> None:
     assert record.size == SIZE
     assert outcome.effects == EffectNames(["COVERAGE"], ["COVERAGE"], [])
     layers = 3 if record.scene == "calm" else 5
-    assert outcome.max_depth_complexity == layers
-    assert outcome.fragments == layers * 32 * 32
+    assert outcome.statistics.complexity.worst == layers
+    assert outcome.statistics.fragments == layers * 32 * 32
     heads = next(term for term in outcome.memory.terms if term.resource == "heads")
     assert heads.bytes == 4 * 32 * 32
     assert outcome.traffic.bytes == sum(term.bytes for term in outcome.traffic.terms)
