@@ -14,7 +14,7 @@ import numpy.typing as npt
 from oitbench.effects import Effect
 from oitbench.gl.uploaded_scene import UploadedScene
 from oitbench.results.statistics import DepthComplexity, SceneStatistics
-from oitbench.scene import Object
+from oitbench.scene import Object, Scene
 
 
 def measure(
@@ -43,6 +43,11 @@ def measure(
         covered_pixels=int(np.count_nonzero(counts)),
         complexity=describe(counts),
     )
+
+
+def views_of(scene: Scene) -> dict[str, Scene]:
+    """Return the scene as each of its views shows it, by the name of the view."""
+    return {"main": scene}
 
 
 def describe(counts: npt.NDArray[np.int64]) -> DepthComplexity:
