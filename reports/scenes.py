@@ -18,7 +18,7 @@ import numpy.typing as npt
 
 from oitbench.image.files import Image
 from oitbench.report import Artifact, Column, Note, ReportContext, columns, figures, write_table
-from oitbench.report.artifacts import Figure
+from oitbench.report.artifacts import Figure, Row, Value
 from oitbench.report.cells import effect_labels
 from oitbench.report.plates import GAP, MARGIN, display, draw_picture, exposure, first_image, fitted
 from oitbench.results.records import Panel
@@ -216,6 +216,8 @@ def _draw_scale(axes: Axes, worst: int) -> None:
 
 
 def _draw_histogram(axes: Axes, complexity: DepthComplexity) -> None:
+    from matplotlib.ticker import MaxNLocator
+
     pixels = sum(count for _, count in complexity.histogram)
     covered = [(depth, count) for depth, count in complexity.histogram if depth]
     step = max(1, math.ceil(complexity.worst / _BARS))
@@ -226,7 +228,7 @@ def _draw_histogram(axes: Axes, complexity: DepthComplexity) -> None:
     if complexity.median is not None:
         axes.axvline(complexity.median, color=figures.INK, linewidth=0.9, linestyle=":")
     axes.set_xlim(edges[0], edges[-1])
-    axes.xaxis.get_major_locator().set_params(integer=True)
+    axes.xaxis.set_major_locator(MaxNLocator(5, integer=True))
     axes.set_xlabel("fragments at a pixel", fontsize=7)
     axes.set_ylabel("% of pixels", fontsize=7)
     axes.tick_params(labelsize=6.5, length=2)
@@ -253,10 +255,11 @@ def _text(card: Card) -> str:
 
 
 def _table(context: ReportContext, cards: Sequence[Card]) -> Artifact:
-    rows = []
+    rows: list[Row] = []
     for card in cards:
         width, height = card.record.size
-        values = flat_statistics(card.statistics) | {
+        values: dict[str, Value] = {
+            **flat_statistics(card.statistics),
             "scene": card.record.scene,
             "view": _view(card.record),
             "size": f"{width} × {height}",
