@@ -21,6 +21,7 @@ VERBS = (
     "list",
     "stability",
     "visibility",
+    "motion",
     "reference",
     "report",
     "compare",

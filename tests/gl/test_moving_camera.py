@@ -97,5 +97,3 @@ def test_lists_and_common_planes_belong_to_their_camera(device: Device) -> None:
         assert not uploaded.geometry.movable
     with UploadedScene(device, decal(0.0)) as uploaded:
         assert not uploaded.geometry.movable
-    with UploadedScene(device, decal(0.1)) as uploaded:
-        assert uploaded.geometry.movable
