@@ -73,8 +73,7 @@ def test_other_files_are_refused(tmp_path: Path) -> None:
     path.write_text(json.dumps(content | {"schema": 99}))
     with pytest.raises(UsageError, match="schema 99"):
         record.read(path)
-    path.write_text(
-        json.dumps(content | {"exact": [{"path": "../secret", "sha256": "", "bytes": 1}]})
-    )
+    outside = {"path": "../secret", "sha256": "0" * 64, "bytes": 1}
+    path.write_text(json.dumps(content | {"exact": [outside]}))
     with pytest.raises(UsageError, match="holds no results"):
         record.read(path)

@@ -13,6 +13,7 @@ from oitbench.motion.record import JSON
 from oitbench.motion.run import film
 from tests.cli.conftest import call
 from tests.cli.helpers import Call
+from tests.helpers import write_method
 
 __all__ = ["call"]
 
@@ -50,14 +51,25 @@ def test_methods_are_filmed_and_those_that_fail_are_named(
     assert len(lines) == 5 + 2 + 3
 
 
-def test_a_method_that_ends_the_process_costs_only_itself(tmp_path: Path, plugins: Path) -> None:
+def test_a_method_that_ends_the_process_costs_only_itself(tmp_path: Path) -> None:
+    write_method(tmp_path / "methods" / "leaving", "__import__('os')._exit(3)")
     found = film(
-        "layer_stack[count=1]", ["unstable", "alpha_blend"], tmp_path, frames=2, size=(8, 8),
-        ssaa=1, collections=[plugins],
+        "layer_stack[count=1]", ["leaving", "alpha_blend"], tmp_path / "out", frames=2, size=(8, 8),
+        ssaa=1, collections=[tmp_path],
     )  # fmt: skip
-    assert [track.method for track in found.tracks] == ["unstable", "alpha_blend"]
-    # NaN pixels have no FLIP, and count as black.
+    assert [track.method for track in found.tracks] == ["alpha_blend"]
+    assert "ended with code 3" in found.failed["leaving"]
+
+
+def test_pixels_that_are_not_finite_have_no_flip_and_count_as_black(
+    tmp_path: Path, plugins: Path
+) -> None:
+    found = film(
+        "layer_stack[count=1]", ["unstable"], tmp_path, frames=2, size=(8, 8), ssaa=1,
+        collections=[plugins],
+    )  # fmt: skip
     assert found.tracks[0].flip == [None, None]
+    assert found.tracks[0].largest[0] < 1
 
 
 def test_fragment_lists_cannot_be_filmed(tmp_path: Path) -> None:
