@@ -46,7 +46,6 @@ _BARS = 48
 """Bars of a histogram; deeper scenes have several numbers of fragments in one."""
 _LOGARITHMIC = 32
 """Scenes deeper than that have a logarithmic scale of colors."""
-_MAIN = "main"
 _NOTHING = "#e9e9e9"
 _COLORS = "viridis"
 _COLUMNS = (
@@ -105,20 +104,14 @@ def _cards(context: ReportContext) -> Iterator[Card]:
     seen: set[tuple[object, ...]] = set()
     for panel in context.results.panels():
         cell = next(iter(panel.finished), None)
-        place = (panel.scene, _view(cell), panel.size) if cell else ()
+        place = (panel.scene, cell.view, panel.size) if cell else ()
         if cell is None or cell.outcome is None or place in seen:
             continue
         seen.add(place)
         image = _picture(context, panel)
         picture = None if image is None else display(image, exposure(panel.finished))
         counts = context.results.complexity(cell)
-        view = _view(cell)
-        heading = panel.scene if view == _MAIN else f"{panel.scene}, {view}"
-        yield Card(heading, cell, cell.outcome.statistics, picture, counts)
-
-
-def _view(record: Record | None) -> str:
-    return _MAIN
+        yield Card(cell.seen, cell, cell.outcome.statistics, picture, counts)
 
 
 def _picture(context: ReportContext, panel: Panel) -> Image | None:
@@ -261,7 +254,7 @@ def _table(context: ReportContext, cards: Sequence[Card]) -> Artifact:
         values: dict[str, Value] = {
             **flat_statistics(card.statistics),
             "scene": card.record.scene,
-            "view": _view(card.record),
+            "view": card.record.view,
             "size": f"{width} × {height}",
             "covered_percent": card.covered,
             "effects": card.effects,

@@ -9,7 +9,9 @@ import click
 
 from oitbench.cli import options
 from oitbench.filenames import file_name
+from oitbench.motion.path import FRAMES, TURNS
 from oitbench.motion.run import FRAME_SECONDS
+from oitbench.views import MAIN, seen
 
 
 @click.command()
@@ -25,16 +27,19 @@ from oitbench.motion.run import FRAME_SECONDS
 @click.option(
     "--frames",
     type=click.IntRange(2, 10_000),
-    default=32,
-    show_default=True,
-    help="Number of frames.",
+    help=f"Number of frames. Default: those of the scene's own path, or {FRAMES}.",
 )
 @click.option(
     "--turns",
     type=float,
-    default=0.125,
+    help="Length of an orbit about the target of the scene's camera, in full turns. Default: the"
+    f" scene's own path; {TURNS} if it has none.",
+)
+@click.option(
+    "--view",
+    default=MAIN,
     show_default=True,
-    help="Length of the orbit about the target of the scene's camera, in full turns.",
+    help="Camera with which an orbit begins; `oitbench list scenes` prints the names.",
 )
 @options.size("256x256", "Size of each frame in pixels.")
 @options.ssaa
@@ -58,8 +63,9 @@ from oitbench.motion.run import FRAME_SECONDS
 def command(
     scene: str,
     methods: tuple[str, ...],
-    frames: int,
-    turns: float,
+    frames: int | None,
+    turns: float | None,
+    view: str,
     size: tuple[int, int],
     ssaa: int,
     out: Path | None,
@@ -79,13 +85,14 @@ def command(
     from oitbench.report import clips, motion
     from oitbench.report.artifacts import writing_to
 
-    out = out or Path("results") / "motion" / file_name(scene)
+    out = out or Path("results") / "motion" / file_name(seen(scene, view))
     found = film(
         scene,
         methods,
         out,
         frames=frames,
         turns=turns,
+        view=view,
         size=size,
         ssaa=ssaa,
         shading=shading,

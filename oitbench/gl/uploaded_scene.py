@@ -27,10 +27,18 @@ class UploadedScene(Owner):
     scene : Scene
     settings : ShadingSettings
         Settings of shared shading.
+    rows : int
+        Height of the frames in pixels, sub-pixels included, for strands (see `Scene.resolved`).
+        Default: 0, unknown.
 
     Attributes
     ----------
+    scene : Scene
+        As it is given.
     geometry : Geometry
+        Of the scene as its camera sees it.
+    movable : bool
+        Whether the camera can move: no vertex depends on it.
 
     Raises
     ------
@@ -38,20 +46,25 @@ class UploadedScene(Owner):
         The scene cannot be uploaded; see `Geometry`.
     """
 
-    def __init__(self, device: Device, scene: Scene, settings: ShadingSettings = DEFAULT) -> None:
+    def __init__(
+        self, device: Device, scene: Scene, settings: ShadingSettings = DEFAULT, rows: int = 0
+    ) -> None:
         super().__init__()
         self.device, self.scene = device, scene
         self.settings = settings
         self._lightings: dict[Effect, Lighting] = {}
         self._counts: dict[tuple[tuple[int, int], bool], npt.NDArray[np.int64]] = {}
         with self.building(), device.checked(f"scene {scene.name}"):
-            self.geometry = self.own(Geometry(device, scene))
+            resolved = scene.resolved(rows)
+            self.geometry = self.own(Geometry(device, resolved))
+        self.movable = resolved is scene and self.geometry.movable
 
     def move(self, camera: Camera) -> None:
         """Look from another camera; frames follow when they are rendered next.
 
-        Geometry and shadow maps stay on the device. `geometry.movable` must hold.
+        Geometry and shadow maps stay on the device. `movable` must hold.
         """
+        assert self.movable
         self.geometry.move(camera)
         self.scene = replace(self.scene, camera=camera)
         self._counts.clear()

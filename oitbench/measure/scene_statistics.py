@@ -14,7 +14,8 @@ import numpy.typing as npt
 from oitbench.effects import Effect
 from oitbench.gl.uploaded_scene import UploadedScene
 from oitbench.results.statistics import DepthComplexity, SceneStatistics
-from oitbench.scene import Object, Scene
+from oitbench.scene import Mesh, Object, Scene
+from oitbench.views import MAIN
 
 
 def measure(
@@ -46,8 +47,11 @@ def measure(
 
 
 def views_of(scene: Scene) -> dict[str, Scene]:
-    """Return the scene as each of its views shows it, by the name of the view."""
-    return {"main": scene}
+    """Return the scene as each of its views shows it, by the name of the view.
+
+    The eyes of a stereo pair see much the same as the view between them, and are left out.
+    """
+    return {name: scene.from_view(name) for name in (MAIN, *scene.views)}
 
 
 def describe(counts: npt.NDArray[np.int64]) -> DepthComplexity:
@@ -69,4 +73,6 @@ def describe(counts: npt.NDArray[np.int64]) -> DepthComplexity:
 
 
 def _triangles(objects: Iterable[Object]) -> int:
-    return sum(len(item.mesh.triangles) for item in objects)
+    meshes = [item.mesh for item in objects]
+    # The scene on the device has no mesh that depends on the view any more.
+    return sum(len(mesh.triangles) for mesh in meshes if isinstance(mesh, Mesh))

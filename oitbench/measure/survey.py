@@ -54,7 +54,12 @@ def survey(
     timeout : float, optional
         Seconds for building a scene, and for each view. None: no limit.
     """
-    settings = Settings([os.fsencode(folder) for folder in catalog.places.folders], {})
+    places = catalog.places
+    settings = Settings(
+        [os.fsencode(folder) for folder in places.folders],
+        [os.fsencode(path) for path in places.scene_files],
+        {},
+    )
     with Process("oitbench.measure.worker", settings, Reply, memory_limit) as worker:
         for choice in scenes:
             if choice.error:

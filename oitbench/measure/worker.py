@@ -26,9 +26,10 @@ _BUILDING = Step("building the scene")
 
 
 class Settings(Struct, frozen=True):
-    """All collection folders, and the file of each method that is used, by its name."""
+    """All collections, files that are scenes, and the file of each method that is used, by name."""
 
     collections: list[bytes]
+    scenes: list[bytes]
     methods: dict[str, bytes]
 
 
@@ -65,7 +66,7 @@ Reply = PixelMeasured | SceneMeasured
 
 
 def _begin(settings: Settings, on_step: OnStep) -> Callable[[Request], Reply]:
-    places = Places(map(_path, settings.collections))
+    places = Places(map(_path, settings.collections), (), map(_path, settings.scenes))
     for name, path in settings.methods.items():
         places.methods.add(name, _path(path))
     collection = Collection(places)
@@ -97,7 +98,7 @@ def _measure_scene(scene: Scene, size: tuple[int, int], on_step: OnStep) -> Scen
         check_size(device, size)
         for name, seen in views_of(scene).items():
             on_step(Step(f"counting fragments in view {name}"))
-            with UploadedScene(device, seen) as uploaded:
+            with UploadedScene(device, seen, rows=size[1]) as uploaded:
                 views[name] = scene_statistics.measure(uploaded, size, seen.effects)
     return SceneMeasured([effect.lower() for effect in names(scene.effects)], views)
 

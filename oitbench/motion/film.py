@@ -102,12 +102,12 @@ class Set:
         uploaded = self._uploaded
         if uploaded is not None and uploaded.scene.camera is camera:
             return uploaded
-        if uploaded is not None and uploaded.geometry.movable:
+        if uploaded is not None and uploaded.movable:
             uploaded.move(camera)
             return uploaded
         self._clear()
         self._uploaded = UploadedScene(
-            self._device, replace(self.scene, camera=camera), self._settings
+            self._device, replace(self.scene, camera=camera), self._settings, self._fine[1]
         )
         return self._uploaded
 

@@ -2,53 +2,44 @@
 
 from __future__ import annotations
 
-import math
-from dataclasses import replace
-
 import numpy as np
 
-from oitbench.scene import Camera, Scene, Vector
-from oitbench.scene.vectors import Floats
+from oitbench.scene import Camera, Scene
+from oitbench.scene.paths import between, orbit
+
+FRAMES, TURNS = 32, 0.125
+"""Frames of a path, and full turns of an orbit, by default."""
+_STEPS = 64
+"""Places between two cameras of a scene's own path."""
 
 
-def cameras_of(scene: Scene, frames: int, turns: float) -> tuple[Camera, ...]:
-    """Return the cameras of a path: an orbit about the target of the scene's camera.
+def cameras_of(
+    scene: Scene, frames: int | None = None, turns: float | None = None
+) -> tuple[Camera, ...]:
+    """Return the cameras of a path: the scene's own one, or an orbit about the target.
 
     Parameters
     ----------
     scene : Scene
-    frames : int
-    turns : float
-        Length of the orbit in full turns.
+    frames : int, optional
+        Evenly spaced along the path. Default: those of the scene's own path, or `FRAMES`.
+    turns : float, optional
+        Length of an orbit in full turns, even if the scene has a path. Default: `TURNS`, for a
+        scene that has none.
     """
-    return orbit(scene.camera, frames, turns)
+    if turns is not None or len(scene.path) < 2:
+        return orbit(scene.camera, frames or FRAMES, TURNS if turns is None else turns)
+    if frames is None:
+        return scene.path
+    places = np.rint(np.linspace(0, _STEPS * (len(scene.path) - 1), frames)).astype(int)
+    return tuple(_at(scene.path, *divmod(place, _STEPS)) for place in places.tolist())
 
 
-def orbit(camera: Camera, frames: int, turns: float = 1.0) -> tuple[Camera, ...]:
-    """Return cameras on a circle about the target and the camera's upward direction."""
-    axis = np.asarray(camera.up, dtype=np.float64) / np.linalg.norm(camera.up)
-    offset = np.subtract(camera.position, camera.target)
-    placed = []
-    for frame in range(frames):
-        angle = 2 * math.pi * turns * frame / frames
-        across = np.cross(axis, offset)
-        along = axis * (axis @ offset)
-        moved = along + (offset - along) * math.cos(angle) + across * math.sin(angle)
-        placed.append(replace(camera, position=_vector(np.asarray(camera.target) + moved)))
-    return tuple(placed)
+def _at(path: tuple[Camera, ...], number: int, step: int) -> Camera:
+    """Return the camera some steps after one of a path."""
+    return between(path[number], path[number + 1], _STEPS + 1)[step] if step else path[number]
 
 
 def middle(one: Camera, other: Camera) -> Camera:
     """Return the camera half-way between two."""
-    return replace(
-        one,
-        position=_vector(np.add(one.position, other.position) / 2),
-        target=_vector(np.add(one.target, other.target) / 2),
-        up=_vector(np.add(one.up, other.up) / 2),
-        fov_y=(one.fov_y + other.fov_y) / 2,
-    )
-
-
-def _vector(values: Floats) -> Vector:
-    x, y, z = values.tolist()
-    return x, y, z
+    return between(one, other, 3)[1]

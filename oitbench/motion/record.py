@@ -17,6 +17,7 @@ from oitbench.motion import metrics
 from oitbench.results.schema import Renderer
 from oitbench.results.table import shielded
 from oitbench.scene import Camera, Vector
+from oitbench.views import seen
 
 VERSION: Final = 1
 JSON, CSV, FRAMES = "motion.json", "motion.csv", "frames"
@@ -35,17 +36,21 @@ class _Typed(Struct, frozen=True, forbid_unknown_fields=True):
 
 
 class CameraPlace(_Typed, frozen=True):
-    """A camera of the path, in the scene's unit; angles are radians."""
+    """A camera of the path, in the scene's unit; angles are radians.
+
+    `height` is that of the picture of an orthographic camera; null for a pinhole.
+    """
 
     position: Vector
     target: Vector
     up: Vector
     fov_y: float
+    height: float | None = None
 
     @classmethod
     def of(cls, camera: Camera) -> CameraPlace:
         """Return the place of a camera."""
-        return cls(camera.position, camera.target, camera.up, camera.fov_y)
+        return cls(camera.position, camera.target, camera.up, camera.fov_y, camera.height)
 
 
 class Pop(_Typed, frozen=True):
@@ -117,9 +122,9 @@ class Track(_Typed, frozen=True):
 class MotionFile(_Typed, frozen=True):
     """A scene along a path, by exact compositing and by methods.
 
-    `exposure` is in stops, `turns` the length of an orbit. `exact` are the pictures of exact
-    compositing, and `change` is its mean change in each transition, over pixels with a transparent
-    fragment. `failed` has reasons by the label of a method.
+    `view` names the camera with which an orbit begins. `exposure` is in stops. `exact` are the
+    pictures of exact compositing, and `change` is its mean change in each transition, over pixels
+    with a transparent fragment. `failed` has reasons by the label of a method.
     """
 
     gl: Renderer
@@ -128,13 +133,18 @@ class MotionFile(_Typed, frozen=True):
     ssaa: int
     exposure: float
     shading: str
-    turns: float
+    view: str
     path: list[CameraPlace]
     exact: list[StoredImage]
     change: list[float]
     tracks: list[Track]
     failed: dict[str, str] = {}
     schema: Literal[1] = VERSION
+
+    @property
+    def title(self) -> str:
+        """The label of the scene with its view, unless that is the main one."""
+        return seen(self.scene, self.view)
 
     @property
     def mean_change(self) -> float:

@@ -19,6 +19,7 @@ from oitbench.motion.worker import (
     Settings,
 )
 from oitbench.shading import read_shading
+from oitbench.views import MAIN
 from oitbench.workers import memory
 from oitbench.workers.messages import Step
 from oitbench.workers.process import Process, WorkerError
@@ -33,8 +34,9 @@ def film(
     methods: Sequence[str],
     out: Path,
     *,
-    frames: int = 32,
-    turns: float = 0.125,
+    frames: int | None = None,
+    turns: float | None = None,
+    view: str = MAIN,
     size: tuple[int, int] = (256, 256),
     ssaa: int = 2,
     shading: Sequence[str] = (),
@@ -53,10 +55,10 @@ def film(
         `NAME[param=v,w]`.
     out : Path
         Folder of `motion.json`, `motion.csv` and `frames/`.
-    frames : int
-        Number of cameras, 2 or more.
-    turns : float
-        Length of the orbit in full turns.
+    frames, turns : optional
+        See `oitbench.motion.path.cameras_of`; 2 frames or more.
+    view : str
+        Name of the camera with which an orbit begins.
     size : (int, int)
         Width and height in pixels.
     ssaa : int
@@ -87,9 +89,11 @@ def film(
             raise DeclarationError(scenes[0].error)
         settings = Settings(
             [os.fsencode(folder) for folder in catalog.places.folders],
+            [os.fsencode(path) for path in catalog.places.scene_files],
             {item.name: os.fsencode(catalog.path("method", item.name)) for item in chosen},
             os.fsencode(out),
             scenes[0].label,
+            view,
             size,
             ssaa,
             frames,
@@ -105,7 +109,7 @@ def film(
                 on_track(choice.label)
                 _film(worker, choice, timeout, tracks, failed)
     found = MotionFile(
-        exact.gl, settings.scene, size, ssaa, exact.exposure, settings.shading, turns, exact.path,
+        exact.gl, settings.scene, size, ssaa, exact.exposure, settings.shading, view, exact.path,
         exact.frames, exact.change, tracks, failed,
     )  # fmt: skip
     record.write(out, found)

@@ -31,16 +31,18 @@ _BUILDING = Step("building the scene", shared=True)
 
 
 class Settings(Struct, frozen=True):
-    """Collection folders, files of methods by name, the folder of results, and the path."""
+    """All collections, scenes that are files, methods by name, the folder of results, the path."""
 
     collections: list[bytes]
+    scenes: list[bytes]
     methods: dict[str, bytes]
     folder: bytes
     scene: str
+    view: str
     size: tuple[int, int]
     ssaa: int
-    frames: int
-    turns: float
+    frames: int | None
+    turns: float | None
     shading: str
 
 
@@ -78,14 +80,14 @@ class _Studio:
     """The scene on the device, and exact compositing along the path."""
 
     def __init__(self, settings: Settings, on_step: OnStep) -> None:
-        places = Places(map(_path, settings.collections))
+        places = Places(map(_path, settings.collections), (), map(_path, settings.scenes))
         for name, path in settings.methods.items():
             places.methods.add(name, _path(path))
         self.collection = Collection(places)
         self._settings, self._on_step = settings, on_step
         self._open = ExitStack()
         on_step(_BUILDING)
-        scene = self.collection.build_scene(settings.scene)
+        scene = self.collection.build_scene(settings.scene).from_view(settings.view)
         if scene.lists is not None:
             raise SceneError(f"{scene.name}: fragment lists have no camera that could move")
         self._device = self._open.enter_context(Device())

@@ -110,7 +110,7 @@ def write(footage: Footage, out: Path, known: Iterable[str] = ()) -> tuple[Figur
             out / "motion-summary.csv",
             _COLUMNS,
             [_row(found, track) for track in found.tracks],
-            title=f"{found.scene} in motion",
+            title=f"{found.title} in motion",
             caption=_caption(found),
         ),
     )
@@ -182,7 +182,7 @@ def _strip(footage: Footage, path: Path) -> Figure:
             " changes most in excess of exact compositing, and that change of each pixel, from 0"
             f" (black) to {CHANGE:g} (pale yellow) of displayed values. Red: the block that pops."
         )
-        return figures.save(canvas, path, title=f"{found.scene} in motion", caption=caption)
+        return figures.save(canvas, path, title=f"{found.title} in motion", caption=caption)
 
 
 def _lefts(across: float) -> list[float]:
@@ -295,4 +295,4 @@ def _plot(found: MotionFile, looks: Mapping[str, Style], path: Path) -> Figure:
             "Gray: the change of exact compositing itself. Circles: jumps that are left in a 64th"
             " of the step, which are pops. Dotted: other random numbers in each frame."
         )
-        return figures.save(canvas, path, title=f"{found.scene} over time", caption=caption)
+        return figures.save(canvas, path, title=f"{found.title} over time", caption=caption)

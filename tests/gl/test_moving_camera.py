@@ -18,7 +18,7 @@ from tests.helpers import collection, method, opened, random_lists, render, scen
 SIZE = (48, 32)
 COARSE = read_shading("shadow_map=128,slices=8")
 CASES = [
-    ("smoke_ball[detail=0.1]", "a_buffer"),
+    ("tumblers[detail=0.2]", "a_buffer"),
     ("bottles[detail=0.1]", "sorted_over[sort=object]"),
     ("foliage[light=sky,detail=0.1]", "adaptive[msaa=4]"),
     ("foggy_street[detail=0.1]", "phenomenological"),
@@ -73,7 +73,7 @@ def test_a_camera_that_returns_sees_the_same_bits(device: Device) -> None:
 
 
 def test_fragments_are_counted_again(device: Device) -> None:
-    scene = collection().build_scene("smoke_ball[detail=0.1]")
+    scene = collection().build_scene("bottles[detail=0.1]")
     away = replace(scene.camera, target=(0.0, 1000.0, 0.0))
     with opened(device, scene, "a_buffer", SIZE) as frame:
         frame.render()
@@ -92,8 +92,19 @@ def test_lengths_are_those_of_the_scene(device: Device) -> None:
     assert (abs(found - expected).max(axis=-1) > 0.01).mean() < 0.01
 
 
-def test_lists_and_common_planes_belong_to_their_camera(device: Device) -> None:
-    with UploadedScene(device, scene_of(random_lists(2))) as uploaded:
-        assert not uploaded.geometry.movable
-    with UploadedScene(device, decal(0.0)) as uploaded:
-        assert not uploaded.geometry.movable
+@pytest.mark.parametrize(
+    "scene",
+    [scene_of(random_lists(2)), decal(0.0), collection().build_scene("smoke_ball[detail=0.1]")],
+    ids=["lists", "common planes", "sprites"],
+)
+def test_some_geometry_belongs_to_its_camera(device: Device, scene: Scene) -> None:
+    with UploadedScene(device, scene) as uploaded:
+        assert not uploaded.movable
+
+
+def test_an_orthographic_camera_moves(device: Device) -> None:
+    scene = collection().build_scene("glass_bars[detail=0.2]").from_view("plan")
+    way = replace(scene.camera, position=(0.5, 0.2, 4.0), height=2.0)
+    found = seen_after_moving(device, scene, "sorted_over", [way])
+    expected = render(device, replace(scene, camera=way), "sorted_over", size=SIZE)
+    assert (abs(found - expected).max(axis=-1) > 0.01).mean() < 0.01

@@ -67,7 +67,7 @@ def write(folder: Path) -> MotionFile:
     ]
     camera = CameraPlace.of(Camera((0, 0, 5)))
     found = MotionFile(
-        Renderer("softly"), "fog", (SIDE, SIDE), 2, 0.0, "", 0.1, [camera] * COUNT,
+        Renderer("softly"), "fog", (SIDE, SIDE), 2, 0.0, "", "main", [camera] * COUNT,
         pictures(folder, "exact", 0.2), [CHANGE] * (COUNT - 1), tracks, {"broken": "no shader"},
     )  # fmt: skip
     record.write(folder, found)

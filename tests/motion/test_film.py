@@ -20,7 +20,8 @@ from oitbench.motion.metrics import VISIBLE
 from oitbench.motion.record import FIXED, PER_FRAME, MotionFile, Track
 from oitbench.results.schema import Renderer
 from oitbench.scene import Scene
-from oitbench.shading import DEFAULT
+from oitbench.scene.paths import orbit
+from oitbench.shading import DEFAULT, read_shading
 from tests.helpers import collection, method
 from tests.motion.scenes import cameras, crossing
 
@@ -46,7 +47,7 @@ def track(stage: Set, shots: list[Shot], name: str, per_frame: bool = False) -> 
 
 def verdicts(shots: list[Shot], *tracks: Track) -> list[list[str]]:
     changes = exact_changes(shots)
-    found = MotionFile(Renderer("r"), "s", SIZE, 1, 0.0, "", 0.1, [], [], changes, list(tracks))
+    found = MotionFile(Renderer("r"), "s", SIZE, 1, 0.0, "", "main", [], [], changes, list(tracks))
     return [found.verdicts(track) for track in tracks]
 
 
@@ -121,6 +122,18 @@ def test_geometry_is_uploaded_once(device: Device, monkeypatch: pytest.MonkeyPat
             stage.exact(camera)
             stage.picture(method("alpha_blend"), camera)
     assert len(uploads) == 1
+
+
+def test_sprites_face_the_camera_of_each_frame(device: Device) -> None:
+    scene = collection().build_scene("smoke_ball[detail=0.05]")
+    shading = read_shading("shadow_map=64,slices=4")
+    first, second = orbit(scene.camera, 2, 0.5)
+    with Set(device, scene, SIZE, 1, shading, collection().truth()) as stage:
+        stage.exact(first)
+        found = stage.exact(second)
+    there = replace(scene, camera=second)
+    with Set(device, there, SIZE, 1, shading, collection().truth()) as alone:
+        np.testing.assert_array_equal(found.linear, alone.exact(second).linear)
 
 
 def test_frames_are_kept_in_order(stage: Set, shots: list[Shot], tmp_path: Path) -> None:
