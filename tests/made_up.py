@@ -24,6 +24,7 @@ from oitbench.results.schema import (
     SharedShading,
     Traffic,
 )
+from oitbench.results.statistics import DepthComplexity, SceneStatistics
 from oitbench.results.store import Store
 from oitbench.results.times import Block, Interval, PassTime, Processor, Time
 from oitbench.truths import EXACT, FULL, MATCHED, TRUTHS
@@ -41,6 +42,11 @@ VALUES: dict[str, float | None] = {
 
 NO_IMAGE = StoredImage("images/a.exr", "0" * 64, 1)
 """An image that does not exist."""
+STATISTICS = SceneStatistics(
+    objects=3, transparent_objects=2, triangles=500, transparent_triangles=400, draws=3,
+    fragments=10_000, covered_pixels=30,
+    complexity=DepthComplexity(2.5, 2.0, 4, [(0, 18), (2, 20), (4, 10)]),
+)  # fmt: skip
 FINGERPRINTS = Fingerprints("s", "m", "e", "f", {EXACT: "x", MATCHED: "p", FULL: "q"})
 
 
@@ -49,9 +55,8 @@ def outcome_of(scores: dict[str, Scores], images: dict[str, StoredImage]) -> Out
     return Outcome(
         parameters={},
         effects=EffectNames(["COVERAGE"], [], ["COVERAGE"]),
-        fragments=10_000,
+        statistics=STATISTICS,
         transparent_pixels=32,
-        max_depth_complexity=4,
         passes=[PassRuns("peel", 8), PassRuns("resolve", 1)],
         memory=Memory(960, 160.0, []),
         traffic=Traffic(50_000, []),

@@ -22,6 +22,7 @@ VERBS = (
     "list",
     "stability",
     "visibility",
+    "motion",
     "reference",
     "import",
     "report",

@@ -14,6 +14,7 @@ from oitbench.catalog.messages import Entry, Kind
 from oitbench.cli import options
 from oitbench.effects import REQUESTED_BY
 from oitbench.errors import UsageError, unknown
+from oitbench.measure.survey import SCENE_SECONDS
 from oitbench.parameters import AnyParameter, text
 from oitbench.shading import PARAMETERS
 from oitbench.stability.check import METHOD_SECONDS
@@ -41,15 +42,45 @@ def _read_kind(ctx: click.Context, parameter: click.Parameter, value: str | None
     help="Render stacks of layers with all methods; print their table. A method that crashes, or"
     f" takes longer than {METHOD_SECONDS:g} s, is left out; the exit code is then 1.",
 )
+@click.option(
+    "--stats",
+    is_flag=True,
+    help="Count triangles, draws, fragments and depth complexity of all views of scenes; print"
+    " their table. A scene that fails is left out; the exit code is then 1.",
+)
+@click.option(
+    "--scene",
+    "scenes",
+    multiple=True,
+    help="NAME[param=v,w], for --stats. Repeatable. Default: all, with their defaults.",
+)
+@options.size("1280x720", "Size of the frames that --stats counts, in pixels.")
+@options.timeout(SCENE_SECONDS, "Seconds that a scene, or one of its views, may take with --stats.")
+@options.memory
 @options.collections
-def command(kind: str | None, as_json: bool, measure: bool, collections: tuple[Path, ...]) -> None:
+def command(
+    kind: str | None,
+    as_json: bool,
+    measure: bool,
+    stats: bool,
+    scenes: tuple[str, ...],
+    size: tuple[int, int],
+    timeout: float | None,
+    memory_gib: float | None,
+    collections: tuple[Path, ...],
+) -> None:
     """List methods, scenes, effects, settings of shading or reports, with their parameters.
 
     The default is all of them. `oitbench list methods --measure` prints the table of methods of the
-    README.
+    README, and `oitbench list scenes --stats` what scenes ask of a renderer.
     """
     if measure:
         _print_overview(collections, kind)
+        return
+    if stats or scenes:
+        if kind != "scenes" or not stats:
+            raise UsageError("--stats needs scenes: oitbench list scenes --stats")
+        _print_statistics(scenes, size, as_json, timeout, memory_gib, collections)
         return
     with Catalog(collections) as catalog:
         found = {name: _entries(catalog, name) for name in ([kind] if kind else KINDS)}
@@ -66,6 +97,30 @@ def command(kind: str | None, as_json: bool, measure: bool, collections: tuple[P
                 click.echo(f"  {'':{width}}    {key}={parameter['summary']}")
             if entry.get("views"):
                 click.echo(f"  {'':{width}}    views: {', '.join(entry['views'])}")
+
+
+def _print_statistics(
+    texts: tuple[str, ...],
+    size: tuple[int, int],
+    as_json: bool,
+    timeout: float | None,
+    memory_gib: float | None,
+    collections: tuple[Path, ...],
+) -> None:
+    from oitbench.measure import survey
+
+    limit = memory.limit(memory_gib, 1)
+    with Catalog(collections) as catalog:
+        chosen = catalog.expand_scenes(texts or catalog.names("scene"))
+        rows = list(survey.survey(catalog, chosen, size, limit, timeout))
+    if as_json:
+        click.echo(json.dumps([survey.facts(row, size) for row in rows], indent=2))
+    else:
+        click.echo(survey.table(rows, size), nl=False)
+    for row in rows:
+        if row.error:
+            click.echo(f"failed {row.scene}: {row.error}", err=True)
+    sys.exit(1 if any(row.error for row in rows) else 0)
 
 
 def _print_overview(collections: tuple[Path, ...], kind: str | None) -> None:

@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from oitbench.method.passes import Order
-from oitbench.scene import Camera, Floats, Object
+from oitbench.scene import Floats, Object
 
 Units = npt.NDArray[np.int64]
 """(first triangle, count) of each unit, shape (n, 2)."""
@@ -116,7 +116,7 @@ class IndexOrder:
         return cls(target, units, len(triangles))
 
 
-def batch_of(objects: Sequence[Object], camera: Camera, base: int) -> Batch:
+def batch_of(objects: Sequence[Object], distances: Callable[[Floats], Floats], base: int) -> Batch:
     """Return the triangles of `objects`, whose vertices start at index `base`."""
     triangles, units, places, unit_places = [], [], [], []
     first = 0
@@ -135,7 +135,7 @@ def batch_of(objects: Sequence[Object], camera: Camera, base: int) -> Batch:
         np.array(units, dtype=np.int64).reshape(-1, 2),
         np.concatenate(places) if places else np.zeros((0, 3)),
         np.array(unit_places, dtype=np.float64).reshape(-1, 3),
-        camera.view_distance,
+        distances,
     )
 
 

@@ -133,13 +133,14 @@ class Frame(Owner):
             mechanism=mechanism or device.mechanism,
             counted=counted,
         )
+        device.within(f"{method.label} (samples per pixel)", self.plan.samples, "GL_MAX_SAMPLES")
         if scene.geometry.coincident and self.plan.samples > 1:
             one, other = scene.geometry.coincident
             raise CapabilityError(
                 f"{method.label}: {one} and {other} lie in one plane; give one sample per pixel"
             )
-        self.complexity = scene.fragment_counts(size, effects)
-        _check_loops(device, method, int(self.complexity.max()))
+        self._method, self._camera = method, scene.geometry.scene.camera
+        self._count()
         self._transmittance: bool | None = None
         with self.building(), device.checked(self._owner):
             self._build(block_limit)
@@ -180,8 +181,23 @@ class Frame(Owner):
         self._executor = Executor(
             device, self._views, self.resources.copy, self.resources.take_counts
         )
-        if plan.listed:
-            self.resources.reserve(sum_by_tile(self.complexity, self.resources.tiles))
+        self.resources.reserve(sum_by_tile(self.complexity, self.resources.tiles))
+
+    def _count(self) -> None:
+        """Count the fragments, and refuse more of them than the driver's loops can have steps."""
+        self.complexity = self.scene.fragment_counts(self.plan.size, self.plan.effects)
+        _check_loops(self.device, self._method, int(self.complexity.max()))
+
+    def _follow(self) -> None:
+        """Look from the camera where it is now, if it has moved since the last frame."""
+        camera = self.scene.geometry.scene.camera
+        if camera is self._camera:
+            return
+        self._camera, self._transmittance = camera, None
+        self._count()
+        self.resources.reserve(sum_by_tile(self.complexity, self.resources.tiles))
+        if self.occlusion is not None:
+            self.occlusion.follow()
 
     def _view_block(self, subsample: int, transmittance: bool) -> bytes:
         """Return the bytes of `View` for targets that are downsampled by `subsample`."""
@@ -241,6 +257,7 @@ class Frame(Owner):
             self._render(transmittance, permutation)
 
     def _render(self, transmittance: bool, permutation: int | None) -> None:
+        self._follow()
         for stage in self.shading:
             stage.prepare()
         if self._transmittance is not transmittance:

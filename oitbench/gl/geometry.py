@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Hashable
+from dataclasses import replace
 
 import moderngl
 import numpy as np
@@ -26,7 +27,18 @@ from oitbench.gl.surface_textures import (
 )
 from oitbench.gl.view import bounded_camera, view_block
 from oitbench.method.passes import Objects, Order
-from oitbench.scene import BLACK, LEAST_LOBE, FragmentLists, Material, Mesh, Object, Scene, Vector
+from oitbench.scene import (
+    BLACK,
+    LEAST_LOBE,
+    Camera,
+    Floats,
+    FragmentLists,
+    Material,
+    Mesh,
+    Object,
+    Scene,
+    Vector,
+)
 from oitbench.scene.texturing import constant, constants_of, image_key, images_of
 
 VERTEX = np.dtype(
@@ -59,9 +71,9 @@ class Geometry(Owner):
     Attributes
     ----------
     scene : Scene
-        In meters, with the camera at the origin: vertices are relative to it.
+        In meters, with the camera of the upload at the origin: vertices are relative to it.
     origin : Vector
-        Position of the camera in the world in meters, less whole kilometers so that single
+        Position of that camera in the world in meters, less whole kilometers so that single
         precision resolves it. Patterns that stick to surfaces add it to relative positions.
     opaque, transparent : Batch
     casting : Batch
@@ -93,6 +105,7 @@ class Geometry(Owner):
         self.scene, self._coincidence = with_separate_corners(scene.seen_from_camera())
         self._camera = bounded_camera(self.scene)
         self.origin = _less_kilometers(scene.in_meters().camera.position)
+        self._place, self._unit = scene.camera.position, scene.meters_per_unit
         self.textures: dict[str, moderngl.TextureArray | moderngl.Texture] = {}
         self._device = device
         self._storeys = 1
@@ -129,12 +142,12 @@ class Geometry(Owner):
         scene = self.scene
         opaque = [self._vertices(item) for item in scene.opaque]
         transparent = [self._vertices(item) for item in scene.transparent]
-        self.opaque = batch_of(scene.opaque, scene.camera, 0)
+        self.opaque = batch_of(scene.opaque, self._distances, 0)
         if scene.lists is not None:
             transparent, self.transparent = _list_batch(scene.lists)
         else:
             base = sum(map(len, opaque))
-            self.transparent = batch_of(scene.transparent, scene.camera, base)
+            self.transparent = batch_of(scene.transparent, self._distances, base)
         self.casting = self._part(lambda item: item.casts)
         self.cutouts = self._part(lambda item: item.material.binary_coverage)
         particles = self._part(lambda item: item.particles)
@@ -155,6 +168,20 @@ class Geometry(Owner):
         if self._coincidence is not None:
             rows = nearness_of_vertices(scene, self._coincidence)
             self.planes = self.own(self._device.context.buffer(rows.tobytes()))
+
+    def _distances(self, places: Floats) -> Floats:
+        """Return the view distances of places from the camera where it is now."""
+        return self.scene.camera.view_distance(places)
+
+    @property
+    def movable(self) -> bool:
+        """Whether the camera can move: vertices do not depend on it."""
+        return not self.has_lists and self._coincidence is None
+
+    def move(self, camera: Camera) -> None:
+        """Look from another camera, given in the scene's own unit; vertices stay as they are."""
+        self.scene = replace(self.scene, camera=camera.relocated(self._place, self._unit))
+        self._camera = bounded_camera(self.scene)
 
     def view(self, size: tuple[int, int], transmittance: bool = False, subsample: int = 1) -> bytes:
         """Return the bytes of `View` for a frame of the scene's camera; see `view_block`."""

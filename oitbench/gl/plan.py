@@ -138,6 +138,10 @@ class FramePlan:
         }
         for item in self.passes:
             check_pass(item, self.declared, self.buffers)
+            if isinstance(item, Gather) and item.masked_by_alpha and self.samples == 1:
+                raise DeclarationError(
+                    f"{item.shader}: masked_by_alpha needs several samples per pixel; set msaa"
+                )
             if item.depth == OPAQUE_DEPTH:
                 raise DeclarationError(f"{item.shader}: the opaque depth cannot be written")
             for name in item.reads:

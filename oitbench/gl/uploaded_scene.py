@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import numpy.typing as npt
 
@@ -12,7 +14,7 @@ from oitbench.gl.ownership import Owner
 from oitbench.gl.shading.lighting import Lighting
 from oitbench.gl.shading.occlusion import occludes
 from oitbench.gl.shading.opaque import count_fragments
-from oitbench.scene import Scene
+from oitbench.scene import Camera, Scene
 from oitbench.shading import DEFAULT, ShadingSettings
 
 
@@ -35,6 +37,8 @@ class UploadedScene(Owner):
         As it is given.
     geometry : Geometry
         Of the scene as its camera sees it.
+    movable : bool
+        Whether the camera can move: no vertex depends on it.
 
     Raises
     ------
@@ -51,7 +55,19 @@ class UploadedScene(Owner):
         self._lightings: dict[Effect, Lighting] = {}
         self._counts: dict[tuple[tuple[int, int], bool], npt.NDArray[np.int64]] = {}
         with self.building(), device.checked(f"scene {scene.name}"):
-            self.geometry = self.own(Geometry(device, scene.resolved(rows)))
+            resolved = scene.resolved(rows)
+            self.geometry = self.own(Geometry(device, resolved))
+        self.movable = resolved is scene and self.geometry.movable
+
+    def move(self, camera: Camera) -> None:
+        """Look from another camera; frames follow when they are rendered next.
+
+        Geometry and shadow maps stay on the device. `movable` must hold.
+        """
+        assert self.movable
+        self.geometry.move(camera)
+        self.scene = replace(self.scene, camera=camera)
+        self._counts.clear()
 
     def lighting(self, effects: Effect) -> Lighting | None:
         """Return the lighting that all frames under the same effects of shading share.

@@ -27,7 +27,7 @@ Channels = Mapping[str, npt.NDArray[Any]]
 
 _LARGEST_HALF = float(np.finfo(np.float16).max)
 _NONFINITE_COLOR = (1.0, 0.0, 1.0)
-_MAP_CHANNELS = ("ldr", "hdr")
+_MAP_CHANNELS, _COUNT_CHANNEL = ("ldr", "hdr"), "fragments"
 _ZIP_ROWS = 16
 """Rows of each block of a ZIP-compressed OpenEXR file."""
 MOST_PIXELS = 1 << 28
@@ -166,6 +166,25 @@ def flip_channels(ldr: npt.ArrayLike, hdr: npt.ArrayLike) -> Channels:
     if maps[0].ndim != 2 or maps[0].shape != maps[1].shape or not maps[0].size:
         raise ValueError(f"FLIP maps are {maps[0].shape} and {maps[1].shape}; both must be (h, w)")
     return {name: item.astype(np.float16) for name, item in zip(_MAP_CHANNELS, maps, strict=True)}
+
+
+def read_counts(path: Path | str) -> npt.NDArray[np.uint32]:
+    """Read the counts that `count_channels` describes, shape (h, w).
+
+    Raises
+    ------
+    UsageError
+        If the file is missing, damaged, or holds no counts.
+    """
+    pixels = _read_channels(Path(path)).get(_COUNT_CHANNEL)
+    if pixels is None or pixels.dtype != np.uint32:
+        raise UsageError(f"{path} has no channel {_COUNT_CHANNEL} of integers; render it again")
+    return np.ascontiguousarray(pixels)
+
+
+def count_channels(counts: npt.ArrayLike) -> Channels:
+    """Return the channel `fragments` of a file that holds a count for each pixel, (h, w)."""
+    return {_COUNT_CHANNEL: np.asarray(counts).astype(np.uint32)}
 
 
 def _read_channels(path: Path) -> Channels:

@@ -29,6 +29,7 @@ from oitbench.measure.rounds import Schedule
 from oitbench.method.declaration import Method
 from oitbench.plugins import Collection
 from oitbench.results.schema import (
+    COMPLEXITY,
     WHOLE,
     EffectNames,
     Fingerprints,
@@ -80,9 +81,8 @@ class Stopwatch:
 
 @dataclass(frozen=True)
 class _Cost:
-    """Counts of one frame without sub-pixels."""
+    """Accounts of one frame without sub-pixels."""
 
-    fragments: int
     passes: list[PassRuns]
     memory: Memory
     traffic: Traffic
@@ -170,7 +170,7 @@ class Bench:
         )
         if contradiction and outcome is not None:
             record = record.suspect(contradiction)
-        drawn = outcome is None or outcome.max_depth_complexity > 0
+        drawn = outcome is None or outcome.transparent_pixels > 0
         return record if drawn else _without_fragments(record, self.identities.scene(cell))
 
     def _run(self, cell: Cell, method: Method) -> tuple[Outcome, str]:
@@ -188,7 +188,7 @@ class Bench:
         with self.watch.running("rendering"):
             with Frame(uploaded, method, fine, effects) as frame:
                 image, transmittance = with_transmittance(frame, cell.ssaa)
-                complexity, plan = int(frame.complexity.max()), frame.plan
+                plan = frame.plan
             cost = _count(stage.coarse, method, cell.size, effects, plan)
             spread = _order_spread(stage.coarse, method, cell, effects, plan)
         scorer = Scorer(stage, exact, image, self._store)
@@ -203,16 +203,15 @@ class Bench:
                 expressed=names(effects),
                 missing=names(chosen & scene.effects & ~method.shows),
             ),
-            fragments=cost.fragments,
+            statistics=stage.statistics(effects),
             transparent_pixels=int(exact.transparent.sum()),
-            max_depth_complexity=complexity,
             passes=cost.passes,
             memory=cost.memory,
             traffic=cost.traffic,
             shading=cost.shading,
             nonfinite=Nonfinite(**metrics.count_nonfinite(image)),
             scores=scores,
-            images=scorer.images,
+            images=scorer.images | {COMPLEXITY: stage.complexity(effects)},
             exposure=scene.exposure,
             plan=plan.digest,
         )
@@ -330,13 +329,12 @@ def _count(
     effects: Effect,
     scored: FramePlan,
 ) -> _Cost:
-    """Count fragments, memory and traffic of one frame without sub-pixels."""
+    """Count memory and traffic of one frame without sub-pixels."""
     with Frame(uploaded, method, size, effects, counted=True) as frame:
         _require_same(frame.plan, scored, "it is counted")
         frame.render()
         measured = frame.measure()
         return _Cost(
-            int(frame.complexity.sum()),
             [PassRuns(record.name, record.runs) for record in measured.passes],
             accounting.memory(frame),
             accounting.traffic(frame, measured),

@@ -17,8 +17,10 @@ from oitbench.gl.uploaded_scene import UploadedScene
 from oitbench.image import files, ties
 from oitbench.image.files import Channels
 from oitbench.image.stored import StoredImage
+from oitbench.measure import scene_statistics
 from oitbench.method.declaration import Method
-from oitbench.results.schema import ReferenceFacts
+from oitbench.results.schema import COMPLEXITY, ReferenceFacts
+from oitbench.results.statistics import SceneStatistics
 from oitbench.scene import Scene
 from oitbench.truths import EXACT
 
@@ -137,6 +139,15 @@ class Stage:
     def scene(self) -> Scene:
         """The scene that is uploaded."""
         return self.uploaded.scene
+
+    def statistics(self, effects: Effect) -> SceneStatistics:
+        """Return the statistics of the scene in frames without sub-pixels under running effects."""
+        return scene_statistics.measure(self.coarse, self.size, effects)
+
+    def complexity(self, effects: Effect) -> StoredImage:
+        """Return the map of depth complexity that belongs to `statistics`."""
+        counts = self.coarse.fragment_counts(self.size, effects)[::-1]
+        return self.store(COMPLEXITY, files.count_channels(counts))
 
     def exact(self, chosen: Effect) -> Exact:
         """Return exact compositing of the scene, without the effects that are not chosen."""

@@ -1,4 +1,4 @@
-"""The far end of a process that measures visibility curves."""
+"""The far end of a process that measures visibility curves, and statistics of scenes."""
 
 from __future__ import annotations
 
@@ -9,10 +9,16 @@ from pathlib import Path
 
 from msgspec import Struct
 
+from oitbench.effects import names
 from oitbench.gl.device import Device
-from oitbench.measure import visibility
+from oitbench.gl.frame import check_size
+from oitbench.gl.uploaded_scene import UploadedScene
+from oitbench.measure import scene_statistics, visibility
+from oitbench.measure.scene_statistics import views_of
 from oitbench.places import Places
 from oitbench.plugins import Collection
+from oitbench.results.statistics import SceneStatistics
+from oitbench.scene import Scene
 from oitbench.workers.messages import Step
 from oitbench.workers.serve import OnStep, serve
 
@@ -41,15 +47,35 @@ class PixelMeasured(Struct, frozen=True, tag=True):
     """The file is written."""
 
 
-def _begin(settings: Settings, on_step: OnStep) -> Callable[[MeasurePixel], PixelMeasured]:
+class MeasureScene(Struct, frozen=True, tag=True):
+    """Asks for the statistics of all views of a scene at one size."""
+
+    scene: str
+    size: tuple[int, int]
+
+
+class SceneMeasured(Struct, frozen=True, tag=True):
+    """The requested effects, and the statistics of each view by its name."""
+
+    effects: list[str]
+    views: dict[str, SceneStatistics]
+
+
+Request = MeasurePixel | MeasureScene
+Reply = PixelMeasured | SceneMeasured
+
+
+def _begin(settings: Settings, on_step: OnStep) -> Callable[[Request], Reply]:
     places = Places(map(_path, settings.collections), (), map(_path, settings.scenes))
     for name, path in settings.methods.items():
         places.methods.add(name, _path(path))
     collection = Collection(places)
 
-    def answer(request: MeasurePixel) -> PixelMeasured:
+    def answer(request: Request) -> Reply:
         on_step(_BUILDING)
         scene = collection.build_scene(request.scene)
+        if isinstance(request, MeasureScene):
+            return _measure_scene(scene, request.size, on_step)
         methods = collection.expand_methods(request.methods)
 
         def announce(label: str) -> None:
@@ -66,10 +92,21 @@ def _begin(settings: Settings, on_step: OnStep) -> Callable[[MeasurePixel], Pixe
     return answer
 
 
+def _measure_scene(scene: Scene, size: tuple[int, int], on_step: OnStep) -> SceneMeasured:
+    views: dict[str, SceneStatistics] = {}
+    with Device() as device:
+        check_size(device, size)
+        for name, seen in views_of(scene).items():
+            on_step(Step(f"counting fragments in view {name}"))
+            with UploadedScene(device, seen, rows=size[1]) as uploaded:
+                views[name] = scene_statistics.measure(uploaded, size, seen.effects)
+    return SceneMeasured([effect.lower() for effect in names(scene.effects)], views)
+
+
 def _path(encoded: bytes) -> Path:
     return Path(os.fsdecode(encoded))
 
 
 def main() -> None:
     """Serve the process that started this one."""
-    serve(Settings, MeasurePixel, _begin)
+    serve(Settings, Request, _begin)

@@ -150,7 +150,7 @@ class Method:
 
     @property
     def sample_count(self) -> int:
-        """Samples per pixel: 1, or 4 for a multisampled frame whose `color` is averaged at its end.
+        """Samples per pixel: 1, or several in a multisampled frame, which averages its `color`.
 
         A parameter `msaa` sets it. Targets have that many samples unless they are `single`, and
         passes over pixels run once per sample.

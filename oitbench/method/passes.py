@@ -65,6 +65,9 @@ class Gather:
     defines : mapping of str to int or float
         Macros of this pass, so that one shader can serve several passes.
     objects : Objects
+    masked_by_alpha : bool
+        The alpha of the first target is also the part of the fragment's samples that the pass
+        writes. The driver chooses them. Needs several samples per pixel.
     """
 
     shader: str
@@ -77,6 +80,7 @@ class Gather:
     clears: tuple[str, ...] = ()
     defines: Mapping[str, float] = field(default_factory=dict)
     objects: Objects = Objects.ALL
+    masked_by_alpha: bool = False
 
     @property
     def name(self) -> str:

@@ -78,6 +78,13 @@ def check_pass(item: Pass, targets: Mapping[str, Target], buffers: Mapping[str, 
             raise DeclarationError(f"{item.shader}: depth '{name}' is {targets[name].format}")
     _check_blending(item)
     _check_sizes(item, targets)
+    if isinstance(item, Gather) and item.masked_by_alpha:
+        first = next((targets[name] for name in item.writes), None)
+        if first is None or first.texel.components < 4 or first.single:
+            raise DeclarationError(
+                f"{item.shader}: masked_by_alpha needs a first target with an alpha, and with"
+                " several samples per pixel"
+            )
 
 
 def _check_blending(item: Pass) -> None:

@@ -148,7 +148,7 @@ def _write(
     if image is None:
         return Shown(tile, None, None)
     stem = file_name(tile.label)
-    picture, colored = display(image, stops), None if errors is None else _magma(errors)
+    picture, colored = display(image, stops), None if errors is None else magma(errors)
     files = [folder / f"{stem}.png", folder / f"{stem}-flip.png"]
     images.write_png(files[0], picture)
     if colored is not None:
@@ -157,7 +157,8 @@ def _write(
     return Shown(written, picture, colored)
 
 
-def _magma(errors: Image) -> Image:
+def magma(errors: Image) -> Image:
+    """Return the colors of errors in [0, 1], shape (h, w): black to pale yellow."""
     import matplotlib
 
     colors: Image = matplotlib.colormaps["magma"](np.clip(errors, 0, 1))[..., :3].astype(np.float32)

@@ -80,8 +80,8 @@ def row(record: Record) -> Row:
     outcome = record.outcome
     if outcome is None:
         return fields
-    fields["fragments"] = outcome.fragments
-    fields["max_depth_complexity"] = outcome.max_depth_complexity
+    fields["fragments"] = outcome.statistics.fragments
+    fields["max_depth_complexity"] = outcome.statistics.complexity.worst
     fields["memory.bytes"] = outcome.memory.bytes
     fields["traffic.bytes"] = outcome.traffic.bytes
     for kind in ("nan", "inf", "negative"):

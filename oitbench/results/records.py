@@ -8,6 +8,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import msgspec
+import numpy as np
+import numpy.typing as npt
 
 from oitbench.errors import UsageError
 from oitbench.filenames import file_name
@@ -15,7 +17,14 @@ from oitbench.image import files, stored
 from oitbench.image.files import Image
 from oitbench.method.ablation import REQUESTED
 from oitbench.parameters import natural
-from oitbench.results.schema import CellKey, Record, Renderer, RunFacts, flip_image
+from oitbench.results.schema import (
+    COMPLEXITY,
+    CellKey,
+    Record,
+    Renderer,
+    RunFacts,
+    flip_image,
+)
 from oitbench.results.store import CELLS, RUN, read_cells, read_run
 from oitbench.results.table import flat
 from oitbench.truths import EXACT
@@ -172,6 +181,11 @@ class Results:
         """
         path = self._file(record, flip_image(truth))
         return None if path is None else files.read_flip_maps(path)
+
+    def complexity(self, record: Record) -> npt.NDArray[np.uint32] | None:
+        """Return the transparent fragments at each pixel, (h, w); None without an intact map."""
+        path = self._file(record, COMPLEXITY)
+        return None if path is None else files.read_counts(path)
 
     def fault(self, record: Record, kind: str) -> str:
         """Return the reason why an image of a cell cannot be read; empty if it can, or has none."""

@@ -18,6 +18,7 @@ from oitbench.image.stored import StoredImage
 from oitbench.image.ties import Errors
 from oitbench.parameters import Value
 from oitbench.results.checksum import CHECKSUM
+from oitbench.results.statistics import Count, SceneStatistics
 from oitbench.results.times import Processor, Time
 from oitbench.truths import ranking_truth
 from oitbench.views import MAIN, seen
@@ -26,7 +27,6 @@ VERSION: Final = 4
 """Version of the schema; a change of any field raises it."""
 SCHEMA_FILE = Path(__file__).with_name("record.schema.json")
 
-Count = Annotated[int, Meta(ge=0)]
 Size = tuple[int, int]
 Status = Literal["ok", "unstable", "suspect", "failed", "skipped", "timeout"]
 FINISHED: frozenset[Status] = frozenset({"ok", "unstable", "suspect"})
@@ -37,6 +37,8 @@ TROUBLED: frozenset[Status] = frozenset({"unstable", "suspect", "failed", "timeo
 WHOLE = "whole"
 """Key of the scores and images of a cell that leaves effects out, against the ranking truth with
 all effects that the scene requests."""
+COMPLEXITY = "complexity"
+"""Key of `Outcome.images` for the map of depth complexity."""
 
 
 class _Typed(Struct, frozen=True, forbid_unknown_fields=True):
@@ -155,15 +157,16 @@ class Outcome(_Typed, frozen=True):
     `scores` has an entry for each truth. A cell that leaves effects out also has `whole`: the truth
     that ranks the scene with all of them. `images` are files below the results folder: `color`, the
     truths, and for each truth `flip_TRUTH`, the maps of FLIP (channel `ldr`) and HDR-FLIP (`hdr`).
-    `transparent_pixels` counts pixels with a transparent fragment. `exposure` is in stops. `plan`
-    is a digest of the targets, buffers and passes that the method declared.
+    `complexity` among them holds the transparent fragments of each pixel (channel `fragments`),
+    which `statistics` sums up. `transparent_pixels` counts pixels of accuracy images with a
+    transparent fragment in any sub-pixel. `exposure` is in stops. `plan` is a digest of the
+    targets, buffers and passes that the method declared.
     """
 
     parameters: dict[str, Value]
     effects: EffectNames
-    fragments: Count
+    statistics: SceneStatistics
     transparent_pixels: Count
-    max_depth_complexity: Count
     passes: list[PassRuns]
     memory: Memory
     traffic: Traffic

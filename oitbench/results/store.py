@@ -25,7 +25,10 @@ CELLS = "cells.jsonl"
 RUN = "run.json"
 IMAGES = "images"
 _LOCK = "run.lock"
-_OURS = frozenset({CELLS, RUN, IMAGES, _LOCK, "report"})
+_OURS = frozenset(
+    {CELLS, RUN, IMAGES, _LOCK, "motion", "reference_check", "report", "stability", "visibility"}
+)
+"""What a run and other commands write to a results folder by default."""
 _SHOWN = 5
 _LOG = logging.getLogger(__name__)
 Typed = TypeVar("Typed", Record, RunFacts)

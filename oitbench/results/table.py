@@ -6,6 +6,7 @@ from typing import Any
 
 from oitbench.image import metrics
 from oitbench.results.schema import Record
+from oitbench.results.statistics import SceneStatistics
 from oitbench.results.times import Interval, Time
 from oitbench.truths import EXACT, TRACED, TRUTHS
 
@@ -35,8 +36,7 @@ def flat(record: Record) -> dict[str, Any]:
         "memory_mib": outcome.memory.bytes / MEBIBYTE if outcome else None,
         "bits_per_pixel": outcome.memory.bits_per_pixel if outcome else None,
         "traffic_mb": outcome.traffic.bytes / MEGABYTE if outcome else None,
-        "fragments": outcome.fragments if outcome else None,
-        "max_depth_complexity": outcome.max_depth_complexity if outcome else None,
+        **flat_statistics(outcome.statistics if outcome else None),
         "missing_effects": ", ".join(record.missing_effects),
         "unstable_pixels": outcome.nonfinite.total if outcome else 0,
     }
@@ -55,6 +55,23 @@ def flat(record: Record) -> dict[str, Any]:
         for name in ("ssaa", "spp", "parts", "seconds"):
             row[f"{truth}.reference.{name}"] = getattr(facts, name, None)
     return row
+
+
+def flat_statistics(found: SceneStatistics | None) -> dict[str, float | None]:
+    """Return the statistics of a scene."""
+    complexity = found.complexity if found else None
+    return {
+        "objects": found.objects if found else None,
+        "transparent_objects": found.transparent_objects if found else None,
+        "triangles": found.triangles if found else None,
+        "transparent_triangles": found.transparent_triangles if found else None,
+        "draws": found.draws if found else None,
+        "fragments": found.fragments if found else None,
+        "covered_pixels": found.covered_pixels if found else None,
+        "mean_depth_complexity": complexity.mean if complexity else None,
+        "median_depth_complexity": complexity.median if complexity else None,
+        "max_depth_complexity": complexity.worst if complexity else None,
+    }
 
 
 def flat_times(time: Time | None) -> dict[str, float | None]:

@@ -42,3 +42,34 @@ def test_a_method_that_ends_its_process_is_missing_in_the_measured_table(
     assert answer.code == 1
     assert [line.split()[1] for line in answer.out.splitlines()[2:]] == ["`weighted_sum`"]
     assert answer.err.startswith("failed leaving: the worker process ended with code 0")
+
+
+def test_statistics_of_scenes_are_a_table_or_json(call: Call) -> None:
+    options = ("--stats", "--size", "16x8", "--scene", "layer_stack[count=2,3]")
+    answer = call("list", "scenes", *options)
+    assert answer.code == 0
+    rows = [line.split(" | ") for line in answer.out.splitlines()[2:]]
+    assert [(row[0], row[6]) for row in rows] == [
+        ("| `layer_stack[count=2]`", "256"),
+        ("| `layer_stack[count=3]`", "384"),
+    ]
+    found = json.loads(call("list", "scenes", *options, "--json").out)
+    assert [row["statistics"]["complexity"]["histogram"] for row in found] == [
+        [[2, 128]],
+        [[3, 128]],
+    ]
+
+
+def test_a_scene_that_cannot_be_built_is_missing_in_the_statistics(
+    call: Call, plugins: Path
+) -> None:
+    options = ("--stats", "--size", "16x8", "--scene", "layer_stack", "--scene", "crasher")
+    answer = call("list", "scenes", *options, "--collection", plugins)
+    assert answer.code == 1
+    assert len(answer.out.splitlines()) == 3
+    assert answer.err.startswith("failed crasher:")
+
+
+def test_statistics_need_scenes(call: Call) -> None:
+    call("list", "methods", "--stats").assert_refused("oitbench list scenes --stats")
+    call("list", "scenes", "--scene", "layer_stack").assert_refused("list scenes --stats")

@@ -135,3 +135,13 @@ def test_every_method_can_be_planned_for_every_effect(name: str, mechanism: str)
             plan = FramePlan.of(method, SIZE, effects, particles=particles, mechanism=mechanism)
             assert "color" not in plan.targets
             assert plan.passes
+
+
+def test_alpha_to_coverage_needs_samples_and_an_alpha() -> None:
+    masked = Gather("made.glsl", writes={"color": REPLACE}, masked_by_alpha=True)
+    assert planned(masked, samples=4).passes == (masked,)
+    with pytest.raises(DeclarationError, match="set msaa"):
+        planned(masked)
+    gray = Gather("made.glsl", writes={"gray": REPLACE}, masked_by_alpha=True)
+    with pytest.raises(DeclarationError, match="first target with an alpha"):
+        planned(gray, targets={"gray": Target("r16f")}, samples=4)

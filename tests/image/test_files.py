@@ -59,6 +59,17 @@ def test_flip_maps_keep_values_and_rows(tmp_path: Path, picture: images.Image) -
     assert stored_types == {"ldr": np.float16, "hdr": np.float16}
 
 
+def test_counts_stay_integers(tmp_path: Path, picture: images.Image) -> None:
+    counts = np.arange(12).reshape(3, 4) + 2**31
+    images.write_channels(tmp_path / "counts.exr", images.count_channels(counts))
+    found = images.read_counts(tmp_path / "counts.exr")
+    assert found.dtype == np.uint32
+    np.testing.assert_array_equal(found, counts)
+    images.write_exr(tmp_path / "picture.exr", picture)
+    with pytest.raises(UsageError, match="no channel fragments"):
+        images.read_counts(tmp_path / "picture.exr")
+
+
 def test_flip_maps_and_images_are_distinguished(tmp_path: Path, picture: images.Image) -> None:
     images.write_exr(tmp_path / "image.exr", picture)
     with pytest.raises(UsageError, match=r"image\.exr has no channel ldr and hdr"):

@@ -8,6 +8,7 @@ from itertools import product
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from oitbench.effects import SHADING, Effect, names
@@ -25,6 +26,7 @@ from oitbench.measure import timing
 from oitbench.measure.rounds import Schedule
 from oitbench.measure.timing import Timings
 from oitbench.plugins import Collection
+from oitbench.results.records import Results
 from oitbench.results.schema import EffectNames, Nonfinite, Outcome, Record
 from oitbench.results.store import CELLS, read_cells
 from oitbench.truths import EXACT, FULL, MATCHED, TRACED
@@ -74,8 +76,11 @@ def test_a_record_has_all_facts_for_reports(finished: Path) -> None:
     assert record.size == SIZE
     assert outcome.effects == EffectNames(["COVERAGE"], ["COVERAGE"], [])
     layers = 3 if record.scene == "calm" else 5
-    assert outcome.max_depth_complexity == layers
-    assert outcome.fragments == layers * 32 * 32
+    assert outcome.statistics.complexity.worst == layers
+    assert outcome.statistics.fragments == layers * 32 * 32
+    counts = Results.load(finished).complexity(record)
+    assert counts is not None
+    np.testing.assert_array_equal(counts, np.full(SIZE[::-1], layers))
     heads = next(term for term in outcome.memory.terms if term.resource == "heads")
     assert heads.bytes == 4 * 32 * 32
     assert outcome.traffic.bytes == sum(term.bytes for term in outcome.traffic.terms)

@@ -114,9 +114,9 @@ def test_an_unstable_cell_loses_all_metrics(before: Path) -> None:
 @pytest.mark.parametrize(
     ("change", "name"),
     [
-        (field("outcome.fragments", 10_001), "fragments"),
-        (field("outcome.fragments", 9_999), "fragments"),
-        (field("outcome.max_depth_complexity", 5), "max_depth_complexity"),
+        (field("outcome.statistics.fragments", 10_001), "fragments"),
+        (field("outcome.statistics.fragments", 9_999), "fragments"),
+        (field("outcome.statistics.complexity.worst", 5), "max_depth_complexity"),
         (field("outcome.memory.bytes", 961), "memory.bytes"),
         (field("outcome.traffic.bytes", 49_999), "traffic.bytes"),
         (field("outcome.nonfinite.negative", 1), "nonfinite.negative"),
@@ -137,7 +137,7 @@ def test_repeatable_fields_must_be_equal(before: Path, change: Change, name: str
 
 def test_another_renderer_may_differ_in_a_few_fragments(before: Path) -> None:
     for fragments, passed in ((10_021, True), (10_022, False)):
-        comparison = compared(before, field("outcome.fragments", fragments), "hardly")
+        comparison = compared(before, field("outcome.statistics.fragments", fragments), "hardly")
         assert comparison.passed == passed
         assert "'softly'" in str(comparison)
         assert "'hardly'" in str(comparison)

@@ -227,6 +227,13 @@ def test_run_facts_are_replaced(tmp_path: Path) -> None:
     assert sorted(path.name for path in tmp_path.iterdir()) == ["images", RUN]
 
 
+@pytest.mark.parametrize("name", ["motion", "reference_check", "report", "stability", "visibility"])
+def test_other_commands_may_have_written_to_the_folder_first(tmp_path: Path, name: str) -> None:
+    (tmp_path / name).mkdir()
+    with Store.open(tmp_path) as opened:
+        assert opened.records() == []
+
+
 def test_foreign_and_unusable_folders_are_refused(tmp_path: Path) -> None:
     (tmp_path / "thesis.tex").touch()
     for folder, message in (

@@ -31,6 +31,7 @@ DEPTH_COPY, DEPTH_AT_CENTERS = "opaque_depth_copy", "opaque_depth_at_centers"
 that rasterize pixel centers in a multisampled frame."""
 LIGHT_VIEW = "LIGHT_VIEW"
 """Macro of passes that a light sees, not the camera."""
+_SAMPLE_ALPHA_TO_COVERAGE = 0x809E
 
 
 @dataclass(frozen=True)
@@ -122,6 +123,8 @@ class CompiledPass(Owner):
         # Blending stays on even where it replaces: with blending, depth test and discard all off,
         # llvmpipe drops the side effects of primitives that a later one covers.
         depth = geometry or self.step.depth is not None
+        masks = isinstance(self.step, Gather) and self.step.masked_by_alpha
+        (context.enable_direct if masks else context.disable_direct)(_SAMPLE_ALPHA_TO_COVERAGE)
         context.enable_only(moderngl.BLEND | (moderngl.DEPTH_TEST if depth else 0))
         tests = geometry and not _tests_in_shader(self._geometry, self.step)
         context.depth_func = ">" if tests else "1"

@@ -62,9 +62,10 @@ class Occlusion(Owner):
     def __init__(self, device: Device, geometry: Geometry, size: tuple[int, int]) -> None:
         super().__init__()
         sizes = dict.fromkeys(_TARGETS, size)
+        self._geometry, self._size = geometry, size
         with self.building():
-            view = self.own(device.context.buffer(geometry.view(size)))
-            self._chain = self.own(Chain(device, geometry, _TARGETS, sizes, view))
+            self._view = self.own(device.context.buffer(geometry.view(size)))
+            self._chain = self.own(Chain(device, geometry, _TARGETS, sizes, self._view))
             self._compile(geometry)
         kept = ("occluders", "openness")
         self.samplers = {f"{name}_texture": self._chain.textures[name] for name in kept}
@@ -91,6 +92,11 @@ class Occlusion(Owner):
             )
             label = shader.removesuffix(".glsl").replace("_", " ")
             self._chain.add(step, blueprint, label, taps=reads)
+
+    def follow(self) -> None:
+        """Look from the camera where it is now."""
+        self._view.write(self._geometry.view(self._size))
+        self._drawn = False
 
     def prepare(self) -> None:
         """Compute the openness unless it is known: camera and scene stand still."""
