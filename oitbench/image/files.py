@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import errno
 import os
-import struct
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
@@ -18,7 +17,6 @@ import numpy.typing as npt
 
 from oitbench.atomic import FULL_DISK, replacing
 from oitbench.errors import UsageError, printable
-from oitbench.image import pictures, radiance
 
 Image = npt.NDArray[np.float32]
 
@@ -30,9 +28,6 @@ _NONFINITE_COLOR = (1.0, 0.0, 1.0)
 _MAP_CHANNELS, _COUNT_CHANNEL = ("ldr", "hdr"), "fragments"
 _ZIP_ROWS = 16
 """Rows of each block of a ZIP-compressed OpenEXR file."""
-MOST_PIXELS = 1 << 28
-"""Pixels of the largest picture that is read unless another limit is given."""
-_OPENEXR = bytes([0x76, 0x2F, 0x31, 0x01])
 _PROBE = 1 << 16
 """Bytes that a full disk does not take any more."""
 
@@ -83,7 +78,7 @@ def read_exr(path: Path | str) -> Image:
     UsageError
         If the file is missing, damaged, or has no RGB channels.
     """
-    channels = _read_channels(Path(path))
+    channels = read_channels(Path(path))
     pixels = channels.get("RGB", channels.get("RGBA"))
     if pixels is None:
         raise UsageError(
@@ -138,7 +133,7 @@ def read_flip_maps(path: Path | str) -> tuple[Image, Image]:
     UsageError
         If the file is missing, damaged, or lacks a map.
     """
-    channels = _read_channels(Path(path))
+    channels = read_channels(Path(path))
     missing = [name for name in _MAP_CHANNELS if name not in channels]
     if missing:
         raise UsageError(
@@ -176,7 +171,7 @@ def read_counts(path: Path | str) -> npt.NDArray[np.uint32]:
     UsageError
         If the file is missing, damaged, or holds no counts.
     """
-    pixels = _read_channels(Path(path)).get(_COUNT_CHANNEL)
+    pixels = read_channels(Path(path)).get(_COUNT_CHANNEL)
     if pixels is None or pixels.dtype != np.uint32:
         raise UsageError(f"{path} has no channel {_COUNT_CHANNEL} of integers; render it again")
     return np.ascontiguousarray(pixels)
@@ -187,14 +182,14 @@ def count_channels(counts: npt.ArrayLike) -> Channels:
     return {_COUNT_CHANNEL: np.asarray(counts).astype(np.uint32)}
 
 
-def _read_channels(path: Path) -> Channels:
+def read_channels(path: Path) -> Channels:
     """Return all channels of an OpenEXR file."""
     import OpenEXR
 
     if not path.is_file():
         raise UsageError(f"{path}: there is no such image; render it again")
     try:
-        with _utf8_name(path, os.O_RDONLY) as name, OpenEXR.File(name) as file:
+        with utf8_name(path, os.O_RDONLY) as name, OpenEXR.File(name) as file:
             return {name: channel.pixels for name, channel in file.channels().items()}
     except (RuntimeError, ValueError) as error:
         raise UsageError(f"{path} is not a readable OpenEXR image; render it again") from error
@@ -214,7 +209,7 @@ def write_channels(path: Path, channels: Channels) -> None:
     header = {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage}
     file = OpenEXR.File(header, {k: np.ascontiguousarray(v) for k, v in channels.items()})
     try:
-        with _utf8_name(path, os.O_RDWR | os.O_CREAT) as name:
+        with utf8_name(path, os.O_RDWR | os.O_CREAT) as name:
             file.write(name)
     except RuntimeError as error:
         # OpenEXR knows the reason only as text.
@@ -251,7 +246,7 @@ def _is_whole(content: bytes, rows: int) -> bool:
 
 
 @contextmanager
-def _utf8_name(path: Path, flags: int) -> Iterator[str]:
+def utf8_name(path: Path, flags: int) -> Iterator[str]:
     """Yield a name by which OpenEXR finds a file; it only takes names that are UTF-8."""
     if printable(str(path)) == str(path):
         yield str(path)
@@ -289,60 +284,6 @@ def to_srgb(linear: npt.ArrayLike, exposure: float) -> Image:
         curve = 1.055 * clipped ** (1 / 2.4) - 0.055
     encoded: Image = np.where(clipped <= 0.0031308, toe, curve).astype(np.float32)
     return encoded
-
-
-def read_image(source: Path | str | bytes, most_pixels: int = MOST_PIXELS) -> Image:
-    """Read a picture of any of the usual kinds: PNG, JPEG, Radiance HDR or OpenEXR.
-
-    Parameters
-    ----------
-    source : path or bytes
-        A file, or the content of one (not of OpenEXR). Its first bytes tell its kind.
-    most_pixels : int
-        Larger pictures are refused before they are unpacked.
-
-    Returns
-    -------
-    array, shape (h, w, 3) or (h, w, 4), float32
-        Linear Rec.709, top row first. PNG and JPEG are taken for sRGB. A fourth channel is alpha,
-        where the file has one; colors are as the file has them.
-
-    Raises
-    ------
-    UsageError
-        If the file is missing, damaged, too large or of another kind.
-    """
-    name = "the image" if isinstance(source, bytes) else str(source)
-    try:
-        content = source if isinstance(source, bytes) else Path(source).read_bytes()
-    except OSError as error:
-        raise UsageError(f"{name} cannot be read: {error.strerror}") from error
-    try:
-        if content.startswith(radiance.SIGNATURES):
-            pictures.require_few(name, radiance.size_of(content)[:2], most_pixels)
-            return radiance.decode(content)
-        if content.startswith(_OPENEXR) and not isinstance(source, bytes):
-            return _read_exr_image(Path(source), most_pixels)
-        return pictures.decode(content, name, most_pixels)
-    except (OSError, ValueError, SyntaxError, EOFError, struct.error) as error:
-        raise UsageError(
-            f"{name} is no readable PNG, JPEG, HDR or OpenEXR image ({error}); convert it"
-        ) from error
-
-
-def _read_exr_image(path: Path, most_pixels: int) -> Image:
-    import OpenEXR
-
-    with _utf8_name(path, os.O_RDONLY) as name, OpenEXR.File(name, header_only=True) as file:
-        low, high = file.header()["dataWindow"]
-        height, width = int(high[1]) - int(low[1]) + 1, int(high[0]) - int(low[0]) + 1
-    pictures.require_few(str(path), (height, width), most_pixels)
-    channels = _read_channels(path)
-    pixels = next((channels[name] for name in ("RGBA", "RGB", "Y") if name in channels), None)
-    if pixels is None:
-        raise ValueError(f"its channels are {', '.join(channels)}, not RGB")
-    colors = np.repeat(pixels[..., None], 3, axis=2) if pixels.ndim == 2 else pixels
-    return np.ascontiguousarray(colors, dtype=np.float32)
 
 
 def mark_nonfinite(srgb: npt.ArrayLike) -> Image:

@@ -22,7 +22,7 @@ def require_few(name: str, size: tuple[int, int], most_pixels: int) -> None:
 
 
 def decode(content: bytes, name: str, most_pixels: int) -> Image:
-    """Return the linear values of a PNG or JPEG file; see `oitbench.image.files.read_image`."""
+    """Return the linear values of a PNG or JPEG file; see `oitbench.image.reading.read_image`."""
     from PIL import Image as Picture
 
     with Picture.open(io.BytesIO(content), formats=("PNG", "JPEG")) as picture:

@@ -173,7 +173,7 @@ def _environment(file: Path, text: str, stops: float) -> list[EnvironmentLight]:
         sky = framing.sky()
         # It is as bright beside the lights of a file as beside the sun.
         return [EnvironmentLight(Texture(sky.texels.astype(np.float32) * np.float32(2**-stops)))]
-    from oitbench.image.files import read_image
+    from oitbench.image.reading import read_image
 
     beside = file.parent / text
     picture = read_image(beside if beside.is_file() else Path(text))

@@ -11,7 +11,8 @@ import pytest
 from PIL import Image as Picture
 
 from oitbench.errors import UsageError
-from oitbench.image.files import read_image, to_srgb, write_exr
+from oitbench.image.files import to_srgb, write_exr
+from oitbench.image.reading import read_image
 
 HEAD = b"#?RADIANCE\n# made here\nFORMAT=32-bit_rle_rgbe\n\n"
 
