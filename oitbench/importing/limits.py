@@ -16,7 +16,9 @@ LIMITS = {
     "numbers of arrays": 100_000_000,
     "vertices": 12_000_000,
     "triangles": 4_000_000,
-    "texels": 128_000_000,
+    "texels of a picture": 17_000_000,
+    "texels of pictures": 68_000_000,
+    "texels of textures": 51_000_000,
 }
 """What all files of one scene may hold together; `Budget` multiplies it by a factor."""
 _LONGEST = 80
@@ -39,6 +41,15 @@ class Budget:
         """Return how much of a kind may still be taken."""
         return max(0, int(LIMITS[kind] * self.factor) - self._taken.get(kind, 0))
 
+    def require(self, kind: str, count: int) -> None:
+        """Raise `SceneError` if there is too much of something; count nothing."""
+        if count > self.left(kind):
+            allowed = int(LIMITS[kind] * self.factor)
+            raise SceneError(
+                f"the file has more than {allowed:,} {kind}; if it can be trusted, raise the"
+                f" limits by [limit={2 * self.factor:g}]"
+            )
+
     def take(self, kind: str, count: int) -> None:
         """Count something before memory is used for it.
 
@@ -47,12 +58,7 @@ class Budget:
         SceneError
             There is too much of it.
         """
-        if count > self.left(kind):
-            allowed = int(LIMITS[kind] * self.factor)
-            raise SceneError(
-                f"the file has more than {allowed:,} {kind}; if it can be trusted, raise the"
-                f" limits by [limit={2 * self.factor:g}]"
-            )
+        self.require(kind, count)
         self._taken[kind] = self._taken.get(kind, 0) + count
 
 

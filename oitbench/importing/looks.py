@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from oitbench.scene import RGB, Array
 
+_GRAY = 0.02
+"""Difference between the channels of a metal that counts as gray."""
 PLASTIC = 0.04
 """Reflectance F₀ of a dielectric that states none: that of the refractive index 1.5."""
 
@@ -17,6 +21,53 @@ def transmission_of(passed: Array, albedo: Array) -> Array:
     oitbench transmits T(1 − k), T is bp/(1 − k), which is never above 1.
     """
     return np.asarray(np.minimum(passed / np.maximum(1 - albedo, 1e-6), 1))
+
+
+@dataclass(frozen=True, eq=False)
+class Divided:
+    """What becomes of the light that a base color returns.
+
+    Parameters
+    ----------
+    albedo, passed : array, shape (3,) or (h, w, 3)
+        The parts that are scattered, and transmitted.
+    mirrored : float
+        F₀ of the metallic parts.
+    colored_metal : bool
+        Whether a metal scatters what it should mirror.
+    """
+
+    albedo: Array
+    passed: Array
+    mirrored: float
+    colored_metal: bool
+
+
+def divided(base: Array, metallic: Array, passing: Array) -> Divided:
+    """Divide a base color b between scattering, transmission and reflection.
+
+    A metal mirrors s, the mean of the least channel of b, and scatters the rest, max(b − s, 0),
+    because F₀ is a number. What is not metallic scatters b(1 − p) and transmits bp.
+
+    Parameters
+    ----------
+    base, metallic, passing : array, shape (1 or 3,) or (h, w, 1 or 3)
+        Textured ones have one size. `passing` is p.
+    """
+    # Pictures may have many millions of texels, so nothing is computed that is zero.
+    plain = base * (1 - metallic) if metallic.any() else base
+    albedo = plain
+    if passing.any():
+        passed = plain * passing
+        albedo = plain - passed
+    else:
+        passed = np.zeros(3, dtype=np.float32)
+    if not metallic.any():
+        return Divided(albedo, passed, 0.0, False)
+    least = base.min(axis=-1, keepdims=True)
+    mirrored = float((metallic * least).mean() / metallic.mean())
+    rest = np.maximum(base - np.float32(mirrored), 0) * metallic
+    return Divided(albedo + rest, passed, mirrored, bool((rest > _GRAY).any()))
 
 
 def collimation_of(roughness: float, index: float) -> float:

@@ -41,7 +41,9 @@ def read_picture(content: bytes | memoryview, name: str, budget: Budget) -> Byte
             warnings.simplefilter("ignore")
             with Image.open(io.BytesIO(content), formats=_FORMATS) as image:
                 width, height = image.size
-                budget.take("texels", width * height)
+                # While a material is computed, each of them needs tens of bytes.
+                budget.require("texels of a picture", width * height)
+                budget.take("texels of pictures", width * height)
                 if image.mode.startswith("I"):
                     # Sixteen bits of gray; Pillow would clip them.
                     high = (np.asarray(image).astype(np.int64) >> 8).clip(0, 255).astype(np.uint8)

@@ -37,7 +37,7 @@ class Canvas:
 
     def _texture(self, texels: Values) -> Texture:
         assert self._wrap is not None
-        self._budget.take("texels", texels.shape[0] * texels.shape[1])
+        self._budget.take("texels of textures", texels.shape[0] * texels.shape[1])
         return Texture(np.ascontiguousarray(texels, dtype=np.float32), wrap=self._wrap)
 
 

@@ -15,6 +15,7 @@ from oitbench.importing.limits import short
 from oitbench.importing.looks import (
     collimation_of,
     color,
+    divided,
     reflectance_of,
     transmission_of,
 )
@@ -27,8 +28,6 @@ from oitbench.scene import BLACK, RGB, Material, Mesh, Object, Texture
 _METAL = (
     "metals: the part of the base color that all channels share is mirrored, the rest is diffuse"
 )
-_GRAY = 0.02
-"""Difference between channels of a metal that is not noted."""
 _EVEN = "solids have the mean of their textures and of their colors at vertices"
 _OPEN = (
     "a volume is a thin sheet if it has a cutoff, or if no closed mesh with normals outwards"
@@ -180,20 +179,16 @@ class _Reader:
             roughness = roughness * fractions(layer.pixels[..., 1:2])
         passing = self._passing()
         base, metallic, passing = same_size(base, metallic, passing)
-        shared = base.min(axis=-1, keepdims=True)
-        mirrored = float((metallic * shared).mean() / max(float(metallic.mean()), 1e-6))
-        rest = np.maximum(base - mirrored, 0)
-        plain = base * (1 - metallic)
-        albedo = plain * (1 - passing) + metallic * rest
+        found = divided(base, metallic, passing)
         passes = bool((passing * (1 - metallic)).any())
         index = self._index()
-        specular = self._specular(index, metallic, mirrored)
-        if bool((metallic * rest > _GRAY).any()):
+        specular = self._specular(index, metallic, found.mirrored)
+        if found.colored_metal:
             self._notes.add(_METAL, self._name)
         mean = float(roughness.mean())
         material = replace(
             material,
-            albedo=self._canvas().color(albedo),
+            albedo=self._canvas().color(found.albedo),
             emission=self._emission(),
             roughness=self._canvas().scalar(roughness),
             index=index,
@@ -204,7 +199,7 @@ class _Reader:
             return self._finished(material, None)
         if roughness.size > 1 and index > 1:
             self._notes.add("the blur of glass follows its mean roughness", self._name)
-        tint = transmission_of(plain * passing, albedo)
+        tint = transmission_of(found.passed, found.albedo)
         glass = replace(
             material,
             transmission=self._canvas().color(tint),
