@@ -251,7 +251,7 @@ def test_the_optical_depth_of_smoke_does_not_depend_on_detail(case: str) -> None
 
 @pytest.mark.parametrize("case", CASES)
 def test_smoke_is_isotropic_and_faces_camera_and_light_equally(case: str) -> None:
-    scene = small(case)
+    scene = small(case).resolved(64)
     for item in particles(scene):
         assert item.material.isotropic
         assert min(constant(item.material.albedo)) >= 0.9
