@@ -133,7 +133,8 @@ def _sheet(context: ReportContext, cards: Sequence[Card], number: int, count: in
         part = f" ({number} of {count})" if count > 1 else ""
         caption = (
             "Picture: the truth that ranks the scene, or exact compositing. Colors: transparent "
-            "fragments at each pixel; gray pixels have none. Bars: pixels by that number; dotted: "
+            "fragments at each pixel, on a logarithmic scale if there are more than "
+            f"{_LOGARITHMIC}; gray pixels have none. Bars: pixels by that number; dotted: "
             "the median of covered pixels."
         )
         path = context.out / (f"scenes-{number}" if count > 1 else "scenes")

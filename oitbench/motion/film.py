@@ -25,7 +25,7 @@ from oitbench.scene import Camera, Scene
 from oitbench.shading import ShadingSettings
 
 HALVINGS = 6
-"""Times that the step of a path is halved around a jump: it is then a 64th."""
+"""Times that the step of a path is halved around a visible jump: it is then a 64th."""
 SEED = "seed"
 """The parameter by which methods take the seed of their random numbers."""
 Keep = Callable[[int, Image], StoredImage]
@@ -259,6 +259,8 @@ def _closely(
 
     (first, first_exact), (last, last_exact) = look(one), look(other)
     for _ in range(HALVINGS):
+        if metrics.jump(last - first) <= metrics.VISIBLE:
+            break  # what is left is no pop
         between = middle(one, other)
         error, exact = look(between)
         if metrics.jump(error - first) >= metrics.jump(last - error):

@@ -98,8 +98,8 @@ def jump(change: Image) -> float:
 def isolated(found: Sequence[Floats]) -> Iterator[tuple[int, tuple[int, int]]]:
     """Yield up to `CANDIDATES` transitions where a pop is most likely, each with its block.
 
-    There, a block jumps most beyond the jumps of the transitions before and after: what moves
-    smoothly changes equally in all of them.
+    There, a block jumps visibly, and most beyond the jumps of the transitions before and after:
+    what moves smoothly changes equally in all of them.
 
     Parameters
     ----------
@@ -108,12 +108,14 @@ def isolated(found: Sequence[Floats]) -> Iterator[tuple[int, tuple[int, int]]]:
     """
     scores = []
     for place, jump in enumerate(found):
+        if jump.max() <= VISIBLE:
+            continue
         beside = [found[k] for k in (place - 1, place + 1) if 0 <= k < len(found)]
         alone = jump - np.max(beside, axis=0) if beside else jump
         row, column = divmod(int(alone.argmax()), alone.shape[1])
         scores.append((float(alone[row, column]), place, (row, column)))
     for score, place, block in sorted(scores, reverse=True)[:CANDIDATES]:
-        if score > 0:
+        if score > 0 and found[place][block] > VISIBLE:
             yield place, block
 
 

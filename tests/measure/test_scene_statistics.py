@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -14,7 +16,7 @@ from oitbench.modeling.mesh import quad
 from oitbench.results.statistics import SceneStatistics
 from oitbench.scene import Camera, Material, Object, Scene
 from oitbench.workers import memory
-from tests.helpers import WHITE, opened, random_lists, scene_of
+from tests.helpers import WHITE, collection, opened, random_lists, scene_of
 
 SIZE = (16, 8)
 GLASS, WALL = Material(coverage=0.5, emission=WHITE), Material(emission=WHITE)
@@ -43,6 +45,20 @@ def test_geometry_and_visible_fragments_are_counted(device: Device) -> None:
     assert (found.fragments, found.covered_pixels) == (2 * 64, 64)
     assert found.complexity.histogram == [(0, 64), (2, 64)]
     assert (found.complexity.mean, found.complexity.median, found.complexity.worst) == (2, 2, 2)
+
+
+def test_named_views_are_measured_and_eyes_are_not() -> None:
+    above = Camera((0, 5, -2), (0, 0, -2))
+    found = scene_statistics.views_of(replace(panes(), views={"above": above}))
+    assert list(found) == ["main", "above"]
+    assert found["above"].camera == above
+
+
+def test_strands_are_as_wide_as_pixels_of_the_frame(device: Device) -> None:
+    scene = collection().build_scene("hair[detail=0.002]")
+    with UploadedScene(device, scene, rows=SIZE[1]) as uploaded:
+        found = scene_statistics.measure(uploaded, SIZE)
+    assert found.transparent_triangles > 0
 
 
 def test_each_layer_of_lists_is_a_draw(device: Device) -> None:

@@ -12,6 +12,7 @@ from PIL import Image as Pictures
 from oitbench.motion.record import FRAMES
 from oitbench.report import Figure, Note, Table, clips
 from oitbench.report.motion import Footage
+from oitbench.report.templates import environment
 from tests.helpers import collection
 from tests.motion import made_up
 from tests.report.made_up import context, finished
@@ -40,6 +41,13 @@ def test_each_folder_has_a_strip_a_plot_and_a_table(tmp_path: Path) -> None:
     assert float(rows["calm"]["flip"]) == pytest.approx(0.15)
     assert float(rows["shaking"]["ratio"]) == pytest.approx(0.2 / made_up.CHANGE)
     assert rows["noisyper frame"]["rest"] == "0.02"
+
+
+def test_the_page_shows_methods_that_its_run_does_not_know(tmp_path: Path) -> None:
+    made_up.write(tmp_path / "motion")
+    known = context(tmp_path, [finished(tmp_path, "fog", "glow", 0.1)], tmp_path / "report")
+    page = environment(known).get_template("section.html").render(artifacts=build(known))
+    assert "leaping[sort=object]" in page
 
 
 def test_several_folders_are_shown_one_after_another(tmp_path: Path) -> None:

@@ -56,6 +56,14 @@ def test_each_scene_is_one_row_of_a_sheet_and_of_the_table(tmp_path: Path) -> No
     assert rows[2]["mean_depth_complexity"] == ""
 
 
+def test_each_view_is_a_row(tmp_path: Path) -> None:
+    record = with_counts(tmp_path, "engine", 3)
+    records = [record, msgspec.structs.replace(record, view="rear")]
+    _, table = build(context(tmp_path, records, tmp_path))
+    assert isinstance(table, Table)
+    assert [row[:2] for row in table.rows] == [("engine", "main"), ("engine", "rear")]
+
+
 def test_many_scenes_fill_several_sheets(tmp_path: Path) -> None:
     records = [with_counts(tmp_path, f"scene {number}", 2) for number in range(7)]
     drawn = build(context(tmp_path, records, tmp_path))
