@@ -109,7 +109,7 @@ def test_scripts_in_the_readme_are_executable() -> None:
         subprocess.run(["bash", "-n", str(ROOT / name)], check=True)
 
 
-@pytest.mark.parametrize(("number", "cells"), [(0, 17 * 4), (1, 3 * 3)])
+@pytest.mark.parametrize(("number", "cells"), [(0, 25 * 4), (1, 3 * 3)])
 def test_runs_in_the_readme_can_be_planned(number: int, cells: int, tmp_path: Path) -> None:
     from oitbench.matrix.plan import plan_matrix
 
