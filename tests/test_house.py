@@ -18,8 +18,9 @@ ENGINE = ROOT / "oitbench"
 CONTENT = ("methods", "scenes", "reports")
 ALLOWED = sys.stdlib_module_names | {"oitbench", "numpy", "matplotlib", "pandas"}
 HEAVY = ("mitsuba", "drjit", "pandas", "matplotlib", "skimage", "flip_evaluator", "OpenEXR", "PIL")
-HOMONYMS = {"engine", "glow"}
-"""Names of scenes that are also words for the code that draws, and for light that is emitted."""
+HOMONYMS = {"engine", "glow", "hair"}
+"""Names of scenes that are also words for the code that draws, for light that is emitted, and for
+parts of people."""
 COMMENTS = {
     ".glsl": r"//[^\n]*|/\*.*?\*/",
     ".js": r"//[^\n]*|/\*.*?\*/",
