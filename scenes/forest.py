@@ -55,8 +55,8 @@ BARK: RGB = (0.20, 0.155, 0.12)
 EARTH: tuple[RGB, ...] = ((0.13, 0.085, 0.045), (0.26, 0.17, 0.085), (0.13, 0.19, 0.05))
 TRANSMITTED = np.array([1.15, 1.15, 0.40])
 """Factor on the light that leaves pass rather than reflect."""
-TREES, SPACING, PATH = 84, 2.4, 1.7  # number, least distances between trees and from the path
-LEAVES = 135  # cards of a tree
+TREES, SPACING, PATH = 86, 2.4, 1.7  # number, least distances between trees and from the path
+LEAVES = 148  # cards of a tree
 SAPLINGS, FERNS, TUFTS = 112, 200, 560
 
 

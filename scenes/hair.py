@@ -31,7 +31,7 @@ import numpy as np
 
 from oitbench.modeling.baking import Rig, diffuse, normals_of, with_radiance
 from oitbench.modeling.detail import DETAIL, copies, divisions
-from oitbench.modeling.mesh import grid
+from oitbench.modeling.mesh import sphere
 from oitbench.modeling.props.bust import bust
 from oitbench.modeling.props.hairstyle import grow
 from oitbench.modeling.voxels import Voxels, density
@@ -71,6 +71,8 @@ KEY = Rig((-0.25, 0.75, 0.70), (0.98, 0.86, 0.72), (0.22, 0.25, 0.31), (0.10, 0.
 RIM: Vector = (0.75, 0.55, -0.55)
 RIM_LIGHT: RGB = (1.0, 1.05, 1.15)
 LIPS: RGB = (0.70, 0.34, 0.29)
+ROOM = 3.0
+"""Radius of the backdrop, meters."""
 SKIN: RGB = (0.78, 0.52, 0.41)
 # Reflectance of the hair from the darkest to the lightest strand.
 DARK, LIGHT = np.array([0.16, 0.062, 0.022]), np.array([0.62, 0.30, 0.12])
@@ -171,10 +173,8 @@ def _bust(detail: float, shadows: _Shadows) -> Mesh:
 
 
 def _backdrop() -> Mesh:
-    """Return a wall that is lighter in the middle."""
-    right, up, back = CAMERA.axes
-    center = np.asarray(CAMERA.target) - 0.5 * back
-    wall = grid(tuple(center), tuple(1.2 * right), tuple(0.7 * up), 48, 28)
-    gap = np.linalg.norm((wall.positions - center - 0.03 * up) * [1, 1.2, 1], axis=1)[:, None]
-    glow = np.exp(-((gap / 0.30) ** 2))
-    return with_radiance(wall, [0.085, 0.095, 0.11] + glow * [0.16, 0.17, 0.18])
+    """Return walls all around, which are lighter behind the head."""
+    walls = sphere((0.0, 0.0, 0.0), ROOM, 64, 48)
+    height = walls.positions[:, 1:2] / ROOM
+    glow = np.exp(-(((height + 0.03) / 0.16) ** 2))
+    return with_radiance(walls, [0.07, 0.08, 0.095] + glow * [0.17, 0.18, 0.19])

@@ -55,6 +55,10 @@ parameters = {
 }
 
 CAMERA = Camera(position=(-23.0, 13.0, 38.0), target=(0.4, 7.0, 0.0), fov_y=math.radians(29))
+VIEWS = {
+    "elevation": Camera(position=(0.0, 8.5, 60.0), target=(0.0, 8.5, 0.0), height=21.0),
+    "walkway": Camera(position=(-11.0, 9.7, 46.0), target=(1.0, 6.0, 0.0), fov_y=math.radians(16)),
+}
 SUN = Rig((-0.55, 0.75, 0.45), (1.05, 0.96, 0.80), (0.34, 0.38, 0.44), (0.16, 0.15, 0.14))
 HAZE: RGB = (0.50, 0.60, 0.70)
 CONCRETE: RGB = (0.46, 0.45, 0.43)
@@ -91,7 +95,7 @@ def build(*, name: str, detail: float, alpha: float, seed: int) -> Scene:
         else:
             cover, shaded = _shell(shaded, min(0.95, alpha * share))
         objects.append(Object(label, shaded, Material(coverage=cover, emission=WHITE)))
-    return Scene(name, CAMERA, tuple(objects), background=HAZE)
+    return Scene(name, CAMERA, tuple(objects), background=HAZE, views=VIEWS)
 
 
 def _shell(mesh: Mesh, alpha: float) -> tuple[float, Mesh]:

@@ -72,6 +72,7 @@ parameters = {
 }
 
 CAMERA = Camera(position=(0.4, 1.75, 0.0), target=(-0.1, 1.45, -9.0), fov_y=math.radians(36))
+VIEWS = {"gate": replace(CAMERA, position=(3.6, 1.6, -0.2), target=(-1.2, 1.5, -9.0))}
 SUNWARD: Vector = (-0.62, 0.70, 0.36)
 SUN: RGB = (9.0, 7.9, 6.2)  # irradiance
 SKY = (
@@ -84,7 +85,6 @@ FENCE, WALL, BACK = -3.6, -11.5, -16.0  # z of the fence, of the workshop's fron
 ALBEDO = 0.96
 """Fraction of the light that a particle of smoke scatters."""
 LOW, HIGH, CELL = (-7.5, 0.0, -16.0), (6.0, 6.0, -3.0), 0.16  # the box of the smoke, meters
-DIMMEST = 0.3  # least light in the smoke's own shadow
 DRUM: Vector = (0.0, 0.0, -7.5)
 PLUME, DRIFT, VEIL = 6600, 250, 60
 """Numbers of particles: of the plume over the drum, of drifting smoke, and of a thin veil."""
@@ -133,7 +133,7 @@ def build(*, name: str, detail: float, alpha: float, seed: int) -> Scene:
         *_fence(detail),
     )
     sun = DirectionalLight(opposite(SUNWARD), SUN)
-    return Scene(name, CAMERA, objects, lights=(sun, gradient_sky(SKY)), full_samples=16)
+    return Scene(name, CAMERA, objects, lights=(sun, gradient_sky(SKY)), views=VIEWS)
 
 
 @dataclass(frozen=True, eq=False)
@@ -159,7 +159,7 @@ def _smoke(random: np.random.Generator, detail: float, alpha: float) -> Iterator
     cloud = density(centers, np.concatenate(sections), LOW, HIGH, CELL).smoothed(CELL)
     depth = cloud.integral_toward(SUNWARD)
     for bank in banks:
-        lit = DIMMEST + (1 - DIMMEST) * np.exp(-0.7 * depth.at(bank.centers))
+        lit = 0.3 + 0.7 * np.exp(-0.7 * depth.at(bank.centers))
         mesh = sprites(random, bank.centers, bank.radii, SUNWARD)
         shaded = replace(mesh, albedos=np.repeat(lit[:, None], 3, axis=1))
         yield Object(bank.name, shaded, bank.material, particles=True, receives_shadows=False)

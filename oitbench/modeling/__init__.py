@@ -7,6 +7,9 @@ mesh         basic meshes: patches, boxes, surfaces of revolution, spheres
 placement    transforms, copies at many places, merging
 profiles     outlines with rounded corners, from which meshes are turned
 solids       closed solids: turned or lofted
+tubes        tubes along curves: pipes, wires, boughs
+implicit     surfaces of signed distances that are joined smoothly
+voxels       densities that cast shadows, and distances, on a grid
 detail       how the size of a mesh follows the parameter `detail`
 patterns     checkered surfaces
 glass        transmission of solids that absorb light

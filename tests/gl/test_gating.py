@@ -109,7 +109,7 @@ def rendered(uploaded: UploadedScene, chosen: Method, effects: Effect) -> Render
 def pair(device: Device, scene: Scene, chosen: Method) -> tuple[Rendered, Rendered]:
     """Return the frame with the effects that the scene requests, and that with all effects."""
     everything = choose_effects("all", scene.effects)
-    with UploadedScene(device, scene, SETTINGS) as uploaded:
+    with UploadedScene(device, scene, SETTINGS, SIZE[1]) as uploaded:
         requested, forced = (
             rendered(uploaded, chosen, effects & chosen.shows)
             for effects in (scene.effects, everything)

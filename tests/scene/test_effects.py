@@ -189,6 +189,7 @@ THREE = np.array([[1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 1, 1]], np.float32)
         (Material(transmission=(1.0, 1.0, 1.0), albedo=RED), {}, True),
         (Material(transmission=(1.0, 1.0, 1.0), albedo=(0.5, 0.5, 0.5)), {"albedo": THREE}, True),
         (Material(transmission=(1.0, 1.0, 1.0)), {"transmission": THREE}, True),
+        (Material(albedo=RED, coverage=0.5), {"albedo": THREE}, False),
         (Material(transmission=(1.0, 1.0, 1.0)), {"transmission": 0.5 * np.ones((4, 3))}, False),
     ],
 )

@@ -105,6 +105,16 @@ def scene(mesh: Mesh) -> Scene:
     return Scene("s", PINHOLE, (Object("it", mesh, Material(coverage=0.5)),))
 
 
+def test_each_sprite_has_an_albedo_of_its_own() -> None:
+    shades = np.array([(0.1, 0.2, 0.3), (0.7, 0.8, 0.9)], np.float32)
+    mesh = scene(Sprites(CENTERS, 0.5, albedos=shades)).resolved(64).objects[0].mesh
+    np.testing.assert_array_equal(mesh.albedo, shades.repeat(4, axis=0))
+    plain = Sprites(CENTERS, 0.5)
+    assert scene(plain).resolved(64).objects[0].mesh.albedo is None
+    shaded = scene(replace(plain, albedos=shades))
+    assert scene_fingerprint(scene(plain)) != scene_fingerprint(shaded)
+
+
 @pytest.mark.parametrize("mesh", [Sprites(CENTERS, 0.5, 0.2, (0, 1, 1)), Strands([CENTERS], 0.01)])
 def test_a_scene_is_resolved_once_in_any_unit(mesh: Sprites | Strands) -> None:
     described = scene(mesh)
@@ -137,6 +147,8 @@ def test_the_fingerprint_is_that_of_the_generator() -> None:
         (lambda: Sprites(CENTERS, [1.0]), "radii must be"),
         (lambda: Sprites(CENTERS, 0.0), "radii must be above 0"),
         (lambda: Sprites(CENTERS, 1.0, toward_light=(0, 0, 0)), "no length"),
+        (lambda: Sprites(CENTERS, 1.0, albedos=np.ones((1, 3))), "albedos must be"),
+        (lambda: Sprites(CENTERS, 1.0, albedos=np.full((2, 3), 1.1)), "albedos must lie in"),
         (lambda: Strands([[(0, 0, 0)]], 1.0), "k above 1"),
         (lambda: Strands([CENTERS], [1.0, 2.0, 3.0]), "width must be"),
         (lambda: Strands([CENTERS], -1.0), "width must be above 0"),

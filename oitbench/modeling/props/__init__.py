@@ -10,6 +10,12 @@ chessmen     the six chess pieces
 glassware    drinking glasses, drinks and ice
 teapot       the Utah teapot
 leaves       plants of leaf cards
+sprays       cards of twigs, ferns and grass
+bust         head and shoulders of a woman
+hairstyle    wavy hair for the bust
+vehicles     parked cars with windows
+piping       pipes, vessels, beams, railings and gratings
+wire         fences of wire
 furniture    tables, chairs, plates, pots and oil lamps
 engine_parts parts of a piston engine
 ============ ============================================================================
