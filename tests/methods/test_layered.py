@@ -72,7 +72,9 @@ def test_one_slab_is_the_weighted_average_over_the_exact_transmittance(device: D
 @pytest.mark.parametrize("slabs", SLABS)
 def test_the_total_transmittance_is_exact(device: Device, slabs: int) -> None:
     lists = random_lists(30, side=8)
-    lists = replace(lists, coverage=lists.coverage / 10, radiance=np.zeros_like(lists.radiance))
+    lists = replace(
+        lists, coverage=lists.coverage / np.float32(10), radiance=np.zeros_like(lists.radiance)
+    )
     found = render(device, scene_of(lists, WHITE), variant(slabs))
     np.testing.assert_allclose(found, composite(lists, WHITE), rtol=0, atol=2e-6)
 
