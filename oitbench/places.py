@@ -10,6 +10,8 @@ from oitbench.errors import UsageError, printable, unknown
 KINDS = ("methods", "scenes", "reference", "reports")
 GROUP = "oitbench.collections"
 """Entry points under which installed packages register their collection folders."""
+IMPORTED = (".glb", ".gltf", ".obj", ".ply")
+"""Ends of the names of files that are scenes by themselves."""
 
 
 class Names(Mapping[str, Path]):
@@ -56,13 +58,20 @@ class Places:
     methods, scenes, reports : Names
     """
 
-    def __init__(self, folders: Iterable[Path] = (), methods: Iterable[Path] = ()) -> None:
+    def __init__(
+        self,
+        folders: Iterable[Path] = (),
+        methods: Iterable[Path] = (),
+        scenes: Iterable[Path] = (),
+    ) -> None:
         self.folders: list[Path] = []
         self.methods, self.scenes, self.reports = Names("method"), Names("scene"), Names("report")
         for folder in folders:
             self.add(folder)
         for folder in methods:
             self.add_method(folder)
+        for path in scenes:
+            self.add_scene(path)
 
     def add(self, folder: Path) -> None:
         """Add the plugins of one collection folder.
@@ -110,6 +119,36 @@ class Places:
         """
         here = text not in self.methods and (Path(text) / "method.py").is_file()
         return self.add_method(Path(text)) if "/" in text or here else text
+
+    def add_scene(self, path: Path) -> str:
+        """Add the scene of one file that can be imported; return its name, the file's.
+
+        Raises
+        ------
+        UsageError
+            There is no such file, its name cannot be that of a scene, or another scene has it.
+        """
+        if not path.is_file():
+            raise UsageError(f"{path}: there is no such file")
+        name = printable(path.stem)
+        if not name.strip() or set(name) & set("[],=@"):
+            raise UsageError(f"{path}: a scene cannot have the name '{name}'; rename the file")
+        self.scenes.add(name, path.resolve())
+        return name
+
+    def find_scene(self, text: str) -> str:
+        """Return the name of the scene that a name or the path of a file selects.
+
+        A known name takes precedence over a file of that name in the working directory.
+        """
+        path = Path(text)
+        importable = path.suffix.lower() in IMPORTED
+        return self.add_scene(path) if text not in self.scenes and importable else text
+
+    @property
+    def scene_files(self) -> tuple[Path, ...]:
+        """The files that were added by their paths."""
+        return tuple(path for path in self.scenes.values() if path.suffix.lower() in IMPORTED)
 
 
 def own_folder() -> Path:

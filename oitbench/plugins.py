@@ -25,7 +25,7 @@ from oitbench.errors import (
 from oitbench.method.declaration import Method
 from oitbench.method.views import View
 from oitbench.parameters import AnyParameter, Parameter, Value
-from oitbench.places import GROUP, Names, Places, own_folder
+from oitbench.places import GROUP, IMPORTED, Names, Places, own_folder
 from oitbench.scene import Scene
 
 Plugin = TypeVar("Plugin")
@@ -137,14 +137,18 @@ class Collection:
         return list(chosen.values())
 
     def expand_scenes(self, texts: Iterable[str]) -> list[str]:
-        """Return the canonical labels of all scenes that the selectors `NAME[param=v,w]` select."""
+        """Return the canonical labels of all scenes that `NAME[param=v,w]` or `FILE[…]` select."""
         chosen: dict[str, None] = {}
         for text in texts:
-            parsed = selectors.parse(text)
+            parsed = self._parse_scene(text)
             plugin = self.scenes[parsed.name]
             for values in selectors.expand(parsed, plugin.parameters):
                 chosen[selectors.label(parsed.name, values, plugin.parameters)] = None
         return list(chosen)
+
+    def _parse_scene(self, text: str) -> selectors.Selector:
+        parsed = selectors.parse(text)
+        return selectors.Selector(self.places.find_scene(parsed.name), parsed.grid)
 
     def build_scene(self, text: str) -> Scene:
         """Build the one scene that `text` selects.
@@ -156,14 +160,9 @@ class Collection:
         UsageError
             The name or a parameter is unknown, or `text` selects several scenes.
         """
-        parsed = selectors.parse(text)
-        plugin = self.scenes[parsed.name]
-        assignments = list(selectors.expand(parsed, plugin.parameters))
-        if len(assignments) != 1:
-            raise UsageError(f"'{text}' selects {len(assignments)} scenes; name one")
-        values: dict[str, Value] = assignments[0]
-        label = selectors.label(parsed.name, values, plugin.parameters)
-        path = self.scenes.path(parsed.name)
+        name, values = self._assigned(text)
+        plugin, path = self.scenes[name], self.scenes.path(name)
+        label = selectors.label(name, values, plugin.parameters)
         try:
             scene = plugin.build(name=label, **values)
         except (CapabilityError, UsageError):
@@ -175,6 +174,17 @@ class Collection:
         if not isinstance(scene, Scene):
             raise SceneError(f"scene {label}: {path}: build returns {scene!r}; return a Scene")
         return scene
+
+    def scene_values(self, text: str) -> dict[str, Value]:
+        """Return the values of all parameters of the one scene that `text` selects."""
+        return self._assigned(text)[1]
+
+    def _assigned(self, text: str) -> tuple[str, dict[str, Value]]:
+        parsed = self._parse_scene(text)
+        found = list(selectors.expand(parsed, self.scenes[parsed.name].parameters))
+        if len(found) != 1:
+            raise UsageError(f"'{text}' selects {len(found)} scenes; name one")
+        return parsed.name, found[0]
 
     def truth(self) -> Method:
         """Return the suite's own method that renders the exact truth, with its parameters."""
@@ -272,6 +282,14 @@ def _check_class(path: Path, method: type[Method]) -> None:
 
 
 def _load_scene(path: Path) -> ScenePlugin:
+    if path.suffix.lower() in IMPORTED:
+        from oitbench.importing.scene import PARAMETERS, read_scene
+
+        def build(**values: Any) -> Scene:
+            return read_scene(path, **values).scene
+
+        name = _checked_name(path, path.stem)
+        return ScenePlugin(name, f"Imported from {path.name}.", PARAMETERS, build)
     module = _load(path)
     _require(module, path, "scene", "parameters", "build")
     parameters = module.parameters

@@ -83,8 +83,9 @@ def _plate(context: ReportContext, panel: Panel, cell: Record) -> Artifact:
     try:
         shading = replace(read_shading(cell.shading), translucent=PUBLISHED).label
         found = draw(
-            cell.scene, cell.method, size=cell.size, effects=cell.effects, shading=[shading]
-        )
+            cell.scene, cell.method, size=cell.size, effects=cell.effects, shading=[shading],
+            view=cell.view,
+        )  # fmt: skip
     except OitbenchError as error:
         return Note(f"{heading}: {error}")
     shown = [item for item in found if item.facts.view or item.facts.name == _IMAGE]

@@ -31,6 +31,7 @@ from oitbench.report.cells import largest_noise_floor
 from oitbench.results.schema import Record
 from oitbench.shading import PARAMETERS as SHADING
 from oitbench.truths import MATCHED, TRUTHS
+from oitbench.views import seen
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -130,7 +131,7 @@ def _curves(records: Sequence[Record], collection: Collection) -> list[Curve]:
                 value = _number(given[0]) if given else default
                 if value is not None:
                     rest = labels | {owner: _without(label, key)}
-                    place = (*rest.values(), record.size, record.ssaa, record.effects)
+                    place = (*rest.values(), record.view, record.size, record.ssaa, record.effects)
                     group = Axis(owner, key), place
                     groups.setdefault(group, {})[value] = record
                     others[group] = rest, default
@@ -183,7 +184,7 @@ def _figure(context: ReportContext, axis: Axis, curves: Sequence[Curve]) -> Arti
     plots: dict[tuple[object, ...], list[Curve]] = {}
     for curve in curves:
         cell = curve.cells[0]
-        plot = curve.labels["scene"], cell.size, cell.ssaa, cell.effects
+        plot = seen(curve.labels["scene"], cell.view), cell.size, cell.ssaa, cell.effects
         plots.setdefault(plot, []).append(curve)
     across = min(_ACROSS, len(plots))
     down = -(-len(plots) // across)
@@ -229,7 +230,7 @@ def _draw(axes: Axes, context: ReportContext, axis: Axis, curves: Sequence[Curve
         figures.add_band(axes, min(known), min(known) + floor, "ties", at_top=True)
     axes.set_ylim(0, _ROOM * max(known) or 1)
     effects = first.cells[0].effects
-    axes.set_title(first.labels["scene"])
+    axes.set_title(seen(first.labels["scene"], first.cells[0].view))
     axes.set_xlabel(axis.key if effects == REQUESTED else f"{axis.key}\neffects {effects}")
     axes.set_ylabel(f"to {TRUTHS[first.truth]}")
     axes.legend(fontsize=6, frameon=False)
@@ -260,6 +261,6 @@ def _rows(context: ReportContext, curve: Curve) -> Iterator[Row]:
     errors = curve.errors(context.flip)
     for value, cell, error in zip(curve.values, curve.cells, errors, strict=True):
         yield (
-            curve.axis.key, cell.scene, cell.method, cell.effects, cell.shading,
+            curve.axis.key, cell.seen, cell.method, cell.effects, cell.shading,
             TRUTHS[curve.truth], value, None if math.isnan(error) else error,
         )  # fmt: skip

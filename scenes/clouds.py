@@ -28,7 +28,7 @@ from oitbench.modeling.detail import PARTICLE_DETAIL, copies
 from oitbench.modeling.particles import fill, smoke, sprites
 from oitbench.modeling.surroundings import gradient_sky
 from oitbench.parameters import Parameter
-from oitbench.scene import RGB, Camera, DirectionalLight, Mesh, Object, Scene, Vector, opposite
+from oitbench.scene import RGB, Camera, DirectionalLight, Object, Scene, Sprites, Vector, opposite
 
 quick = False
 near = 240.0
@@ -104,16 +104,16 @@ def build(*, name: str, detail: float, alpha: float, seed: int) -> Scene:
         random = np.random.default_rng([seed, stream])
         count = copies(cloud.count, detail)
         vapor = smoke(alpha, 0.99, cloud.count, count)
-        mesh = _particles(cloud, random, count, camera)
+        mesh = _particles(cloud, random, count)
         objects.append(Object(cloud.name, mesh, vapor, particles=True))
     sun = DirectionalLight(opposite(SUNWARD), SUN)
     return Scene(name, camera, tuple(objects), lights=(sun, gradient_sky(SKY)), full_samples=4)
 
 
-def _particles(cloud: Cloud, random: np.random.Generator, count: int, camera: Camera) -> Mesh:
+def _particles(cloud: Cloud, random: np.random.Generator, count: int) -> Sprites:
     """Return the particles of one cloud."""
     lobes = np.asarray(cloud.lobes)
     places = fill(random, count, lobes[:, :3], lobes[:, 3], stretch=(1.0, FLATNESS, 1.0))
     centers = np.asarray(cloud.center) + cloud.scale * places
     radii = cloud.scale * random.uniform(*PARTICLE_RADII, count)
-    return sprites(random, centers, radii, camera, SUNWARD)
+    return sprites(random, centers, radii, SUNWARD)

@@ -70,7 +70,13 @@ def build(*, name: str, detail: float, reflection: float) -> Scene:
         bars.append(Object(f"level {color}", _streaked(level), material))
     paper = Object("paper", _paper(detail), Material(emission=WHITE))
     camera = Camera(position=(-1.0, 0.66, 4.9), target=(0, 0, -0.1), fov_y=math.radians(36))
-    return Scene(name=name, camera=camera, objects=(paper, *bars), background=(0.62, 0.58, 0.52))
+    return Scene(
+        name=name,
+        camera=camera,
+        objects=(paper, *bars),
+        background=(0.62, 0.58, 0.52),
+        views={"plan": Camera(position=(0, 0, 4), target=(0, 0, 0), height=3.0)},
+    )
 
 
 def _streaked(bar: Mesh) -> Mesh:

@@ -39,9 +39,9 @@ from oitbench.scene import (
     Camera,
     DirectionalLight,
     Material,
-    Mesh,
     Object,
     Scene,
+    Sprites,
     Vector,
     opposite,
 )
@@ -89,14 +89,14 @@ def build(*, name: str, detail: float, alpha: float, seed: int) -> Scene:
     objects = (
         Object("pale tiles", pale, PALE_TILE, casts=False),
         Object("dark tiles", dark, DARK_TILE, casts=False),
-        Object("cloud", _cloud(np.random.default_rng(seed), count, camera), vapor, particles=True),
+        Object("cloud", _cloud(np.random.default_rng(seed), count), vapor, particles=True),
         Object("ball", sphere(BALL, RADIUS, slices, slices // 2), glass),
     )
     sun = DirectionalLight(opposite(SUNWARD), SUN)
     return Scene(name, camera, objects, lights=(sun, gradient_sky(SURROUNDINGS)), full_samples=16)
 
 
-def _cloud(random: np.random.Generator, count: int, camera: Camera) -> Mesh:
+def _cloud(random: np.random.Generator, count: int) -> Sprites:
     """Return the particles of the cloud."""
     centers = fill(random, count, LOBES, LOBE_RADII, stretch=(1.0, 0.75, 1.0))
-    return sprites(random, centers, random.uniform(*PARTICLE_RADII, count), camera, SUNWARD)
+    return sprites(random, centers, random.uniform(*PARTICLE_RADII, count), SUNWARD)

@@ -41,6 +41,7 @@ from oitbench.scene import (
     Mesh,
     Object,
     Scene,
+    Sprites,
     Vector,
     opposite,
 )
@@ -96,7 +97,7 @@ def build(*, name: str, detail: float, alpha: float, seed: int) -> Scene:
     """Return opaque and transparent objects, in an order that is right from no viewpoint."""
     camera = Camera(position=(0.35, 1.55, 5.6), target=(0.12, 0.82, 0.0), fov_y=math.radians(34))
     count = copies(PARTICLES, detail)
-    particles = _particles(np.random.default_rng(seed), count, camera)
+    particles = _particles(np.random.default_rng(seed), count)
     vapor = smoke(alpha, 0.90, PARTICLES, count)
     objects = (
         Object("ground", quad((0, 0, 0), (300, 0, 0), (0, 0, -300)), EARTH, casts=False),
@@ -110,14 +111,14 @@ def build(*, name: str, detail: float, alpha: float, seed: int) -> Scene:
     return Scene(name, camera, objects, lights=(sun, gradient_sky(SURROUNDINGS)), full_samples=16)
 
 
-def _particles(random: np.random.Generator, count: int, camera: Camera) -> Mesh:
+def _particles(random: np.random.Generator, count: int) -> Sprites:
     """Return the particles of banks of smoke that drift through the view."""
     banks = np.asarray(BANKS)
     centers = fill(random, count, banks[:, :3], banks[:, 3], stretch=FLATNESS)
     # Slow waves gather the particles into wreaths.
     centers[:, 0] += 0.22 * np.sin(3.1 * centers[:, 0] + 2.3 * centers[:, 2] + 0.6)
     centers[:, 1] += 0.18 * np.sin(2.7 * centers[:, 0] - 1.9 * centers[:, 2])
-    return sprites(random, centers, random.uniform(*PARTICLE_RADII, count), camera, SUNWARD)
+    return sprites(random, centers, random.uniform(*PARTICLE_RADII, count), SUNWARD)
 
 
 def _panes() -> Iterator[Object]:

@@ -45,9 +45,9 @@ from oitbench.scene import (
     Camera,
     DirectionalLight,
     Material,
-    Mesh,
     Object,
     Scene,
+    Sprites,
     Vector,
     opposite,
 )
@@ -110,7 +110,7 @@ def build(
     view = VIEWS[cube]
     count = copies(PARTICLES, detail)
     vapor = smoke(alpha, 0.9, PARTICLES, count)
-    particles = _particles(np.random.default_rng(seed), count, view.camera)
+    particles = _particles(np.random.default_rng(seed), count)
     plain = quad((0, 0, 0), (80, 0, 0), (0, 0, -80))
     objects = (
         Object("ground", plain, Material(albedo=GROUND, specular=0.0), casts=False),
@@ -121,7 +121,7 @@ def build(
     return Scene(name, view.camera, objects, lights=(sun, gradient_sky(SKY)), full_samples=12)
 
 
-def _particles(random: np.random.Generator, count: int, camera: Camera) -> Mesh:
+def _particles(random: np.random.Generator, count: int) -> Sprites:
     """Return the particles, in random order."""
     directions = random_directions(random, count)
     # Slow waves over the ball make its outline billow.
@@ -129,4 +129,4 @@ def _particles(random: np.random.Generator, count: int, camera: Camera) -> Mesh:
     billow += 0.05 * np.sin(directions @ np.array([-7.0, 4.4, 6.1]))
     reach = RADIUS * billow * random.random(count) ** 0.4
     centers = np.asarray(BALL) + reach[:, None] * directions
-    return sprites(random, centers, random.uniform(*PARTICLE_RADII, count), camera, SUNWARD)
+    return sprites(random, centers, random.uniform(*PARTICLE_RADII, count), SUNWARD)

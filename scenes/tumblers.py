@@ -103,6 +103,10 @@ def build(*, name: str, detail: float) -> Scene:
     return Scene(
         name=name,
         camera=Camera(position=(0.3, 2.35, 5.4), target=(0, 0.5, 0), fov_y=math.radians(32)),
+        views={
+            "above": Camera(position=(0, 7.5, 0), target=(0, 0, 0), fov_y=math.radians(30)),
+            "low": Camera(position=(-3.4, 0.9, 3.9), target=(0, 0.55, 0), fov_y=math.radians(30)),
+        },
         objects=tuple(objects),
         lights=(
             SpotLight(

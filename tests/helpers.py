@@ -101,7 +101,7 @@ def opened(
         size = (scene.lists.z.shape[2], scene.lists.z.shape[1])
     running = scene.effects & chosen.shows if effects is None else effects
     with (
-        UploadedScene(device, scene, settings) as uploaded,
+        UploadedScene(device, scene, settings, size[1]) as uploaded,
         Frame(uploaded, chosen, size, running, **options) as frame,
     ):
         yield frame

@@ -18,6 +18,8 @@ ENGINE = ROOT / "oitbench"
 CONTENT = ("methods", "scenes", "reports")
 ALLOWED = sys.stdlib_module_names | {"oitbench", "numpy", "matplotlib", "pandas"}
 HEAVY = ("mitsuba", "drjit", "pandas", "matplotlib", "skimage", "flip_evaluator", "OpenEXR", "PIL")
+HOMONYMS = {"engine", "glow"}
+"""Names of scenes that are also words for the code that draws, and for light that is emitted."""
 COMMENTS = {
     ".glsl": r"//[^\n]*|/\*.*?\*/",
     ".js": r"//[^\n]*|/\*.*?\*/",
@@ -34,7 +36,7 @@ def content_names() -> set[str]:
         names.add(path.parent.name)
         tree = ast.parse(path.read_text(encoding="utf-8"))
         names |= {node.name for node in tree.body if isinstance(node, ast.ClassDef)}
-    return names
+    return names - HOMONYMS
 
 
 def words(source: str) -> Iterator[str]:

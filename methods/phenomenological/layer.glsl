@@ -39,7 +39,7 @@ float depth_weight(float opacity, float depth) {
 // Variance of the blur by a layer of alpha = 1, in stored units: the square of equation 7.
 float blur_variance(float distance, float behind, float collimation) {
     float spread = 1.0 - K1 / (K1 + abs(behind - distance));
-    float blur = focal_length() * K0 * (1.0 - collimation) * spread / max(distance, 1e-6);
+    float blur = focal_length() * K0 * (1.0 - collimation) * spread / shown_at(max(distance, 1e-6));
     return (blur / UNIT) * (blur / UNIT);
 }
 
@@ -48,7 +48,7 @@ float blur_variance(float distance, float behind, float collimation) {
 float medium_blur_variance(float distance, float behind, float collimation) {
     float gap = abs(behind - distance);
     float slope = 2.0 * K0 / (K1 + AGREES) * (1.0 - collimation);
-    float blur = focal_length() * slope * gap / max(distance + gap, 1e-6);
+    float blur = focal_length() * slope * gap / shown_at(max(distance + gap, 1e-6));
     return (blur / UNIT) * (blur / UNIT);
 }
 
@@ -68,7 +68,8 @@ vec2 refraction_offset(Fragment fragment, float behind) {
     vec3 position = (world_to_camera * vec4(fragment.position, 1.0)).xyz;
     vec3 normal = mat3(world_to_camera) * fragment.normal;
     // GLSL gives zero where all light is reflected.
-    vec3 bent = refract(normalize(position), normal, 1.0 / fragment.index);
+    vec3 seen = eye.w == 0.0 ? vec3(0.0, 0.0, -1.0) : normalize(position);
+    vec3 bent = refract(seen, normal, 1.0 / fragment.index);
     if (bent.z > -1e-3) {
         return vec2(0.0);
     }
@@ -79,7 +80,7 @@ vec2 refraction_offset(Fragment fragment, float behind) {
 #endif
     vec3 target = position + reach * bent / abs(bent.z);
     // Differences first: both projections are large beside their distance.
-    vec2 offset = focal_length() * (target.xy / -target.z - position.xy / -position.z);
+    vec2 offset = focal_length() * (target.xy / shown_at(-target.z) - position.xy / shown_at(-position.z));
     offset = fragment.entering ? offset : -offset;
     return clamp(offset, vec2(-LONGEST), vec2(LONGEST));
 }

@@ -1,6 +1,7 @@
 // Adds the small targets to those of the frame by a joint bilateral filter (section 5.0.1): a tent of
 // 7 x 7 texels. A texel's weight falls with the distance of its opaque surface from the plane of the
-// opaque surface at the pixel. On the screen, planes are linear in 1/z at any obliqueness.
+// opaque surface at the pixel. On the screen, planes are linear in 1/z at any obliqueness; where rays
+// are parallel, in z.
 #include "model.glsl"
 const float TENT = 3.0;       // texels from its middle to its foot
 const float KEY = 0.02;       // relative difference of distances that leaves 1/e of a weight
@@ -8,9 +9,11 @@ const float FLOOR = 1e-3;     // least weight, so that thin objects find a texel
 const float STEEPEST = 0.1;   // relative difference of neighbors, of one surface seen obliquely
 const float FAR = 1e-6;       // 1/m: everything farther counts as equally far as the sky
 
+float linear(float z) { return eye.w == 0.0 ? z : 1.0 / z; }
+
 float nearness(ivec2 pixel) {
     ivec2 within = clamp(pixel, ivec2(0), ivec2(frame_size) - 1);
-    return 1.0 / view_distance(read_opaque_depth(within));
+    return linear(view_distance(read_opaque_depth(within)));
 }
 
 // The smaller of both differences: at an edge, the other one spans two surfaces.
@@ -27,7 +30,7 @@ float weight_of(ivec2 texel, vec2 at, vec3 plane) {
     vec2 tent = max(1.0 - abs(vec2(texel) + 0.5 - at) / TENT, vec2(0.0));
     // The pixel at which the block is sampled.
     vec2 offset = vec2(texel * SUBSAMPLE + SUBSAMPLE / 2) + 0.5 - gl_FragCoord.xy;
-    float gap = abs(1.0 / read_small_distance(texel) - plane.x - dot(plane.yz, offset));
+    float gap = abs(linear(read_small_distance(texel)) - plane.x - dot(plane.yz, offset));
     return tent.x * tent.y * (FLOOR + exp(-gap / (KEY * max(plane.x, FAR))));
 }
 

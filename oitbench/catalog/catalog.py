@@ -7,7 +7,7 @@ import logging
 import os
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib.metadata import entry_points
 from pathlib import Path
 
@@ -17,22 +17,25 @@ from oitbench.catalog.messages import (
     AxesFound,
     Describe,
     Entry,
+    Inspect,
+    Inspected,
     Kind,
     Nothing,
     Reply,
     Resolve,
     Resolved,
 )
-from oitbench.errors import OitbenchError
+from oitbench.errors import OitbenchError, SceneError
 from oitbench.parameters import Selector
-from oitbench.places import GROUP, Names, Places, own_folder
+from oitbench.places import GROUP, IMPORTED, Names, Places, own_folder
 from oitbench.workers import memory
 from oitbench.workers.messages import Step
 from oitbench.workers.process import Process
 
 LOAD_SECONDS = 30.0
 """Time in which each file of a plugin must be loaded by default."""
-_LOADING = Step("loading the file")
+_LOADING, _READING = Step("loading the file"), Step("reading the file")
+_FILE_SECONDS = 300.0
 _LOG = logging.getLogger(__name__)
 
 
@@ -138,7 +141,8 @@ class Catalog:
         ----------
         kind, name : str
         check : bool
-            Whether to load the file of a report, which is slow, and not only to parse it.
+            Whether to load the file of a report, which is slow, and not only to parse it; and to
+            build a scene, with little detail, for the names of its views.
 
         Raises
         ------
@@ -166,12 +170,62 @@ class Catalog:
         return list(chosen.values())
 
     def expand_scenes(self, texts: Iterable[str]) -> list[Choice]:
-        """Return all scenes that the selectors `NAME[param=v,w]` select."""
+        """Return all scenes that the selectors `NAME[param=v,w]` or `FILE[param=v]` select.
+
+        A file is read, and what its scene shows differently is logged as warnings.
+        """
         chosen: dict[str, Choice] = {}
         for text in texts:
-            for choice in self._expand("scene", selectors.parse(text)):
+            parsed = selectors.parse(text)
+            name = self.places.find_scene(parsed.name)
+            for choice in self._expand("scene", Selector(name, parsed.grid)):
                 chosen[choice.label] = choice
-        return list(chosen.values())
+        noted: set[tuple[str, str]] = set()
+        return [self._inspected(choice, noted) for choice in chosen.values()]
+
+    def _inspected(self, choice: Choice, noted: set[tuple[str, str]]) -> Choice:
+        """Return a choice with the reason why it cannot be used; log what is not `noted` yet."""
+        path = self.path("scene", choice.name)
+        if choice.error or path.suffix.lower() not in IMPORTED:
+            return choice
+        try:
+            found = self.inspect(choice)
+        except OitbenchError as error:
+            return replace(choice, error=f"{path}: {error}")
+        for note in found.notes:
+            if (choice.name, note) not in noted:
+                noted.add((choice.name, note))
+                _LOG.warning("%s: %s", choice.name, note)
+        return choice
+
+    def check_files(self, texts: Iterable[str]) -> tuple[Path, ...]:
+        """Read those scenes that are files, `FILE[param=v]`, and return the files.
+
+        Raises
+        ------
+        OitbenchError
+            A file is missing, damaged or too large.
+        """
+        for text in texts:
+            name = self.places.find_scene(selectors.parse(text).name)
+            if name in self.places.scenes and self.path("scene", name) in self.places.scene_files:
+                for choice in self.expand_scenes([text]):
+                    if choice.error:
+                        raise SceneError(choice.error)
+        return self.places.scene_files
+
+    def inspect(self, scene: Choice) -> Inspected:
+        """Return what is known of the scene of a file that can be imported.
+
+        Raises
+        ------
+        OitbenchError
+            The file is damaged, or too large.
+        """
+        path = os.fsencode(self.path("scene", scene.name))
+        return self._worker.ask(
+            Inspect(scene.label, path), Inspected, _FILE_SECONDS, _READING, retry=True
+        )
 
     def _expand(self, kind: Kind, parsed: Selector) -> Iterator[Choice]:
         entry = self.entry(kind, parsed.name)

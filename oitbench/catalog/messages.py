@@ -22,7 +22,10 @@ class Resolve(Struct, frozen=True, tag=True):
 
 
 class Describe(Struct, frozen=True, tag=True):
-    """Asks for the entry of a plugin. Unless it is to be checked, a report is only parsed."""
+    """Asks for the entry of a plugin.
+
+    Unless it is to be checked, a report is only parsed, and no scene is built.
+    """
 
     kind: Kind
     name: str
@@ -40,6 +43,13 @@ class Axes(Struct, frozen=True, tag=True):
     methods: list[str]
     scene_path: bytes
     method_paths: dict[str, bytes]
+
+
+class Inspect(Struct, frozen=True, tag=True):
+    """Asks whether a file can be imported as a scene, with the values of parameters of a label."""
+
+    scene: str
+    path: bytes
 
 
 class Resolved(Struct, frozen=True, tag=True):
@@ -61,6 +71,8 @@ class Entry(Struct, frozen=True, tag=True):
         Whether the quick preset includes it.
     promises, expresses : list of str
         Of a method with its default parameters.
+    views : list of str
+        Names of the views of a scene, if it was checked and can be built.
     error : str
         Why the plugin cannot be used, in one line; then nothing else is known.
     """
@@ -71,6 +83,7 @@ class Entry(Struct, frozen=True, tag=True):
     quick: bool = True
     promises: list[str] = []
     expresses: list[str] = []
+    views: list[str] = []
     error: str = ""
 
 
@@ -80,5 +93,20 @@ class AxesFound(Struct, frozen=True, tag=True):
     axes: list[list[str]]
 
 
-Request = Resolve | Describe | Axes
-Reply = Resolved | Entry | AxesFound
+class Inspected(Struct, frozen=True, tag=True):
+    """The file can be imported.
+
+    Parameters
+    ----------
+    notes : list of str
+        What the scene shows differently from its file, in one line each.
+    files : dict of str to bytes
+        Files beside it that it needs, by their paths relative to its folder.
+    """
+
+    notes: list[str]
+    files: dict[str, bytes]
+
+
+Request = Resolve | Describe | Axes | Inspect
+Reply = Resolved | Entry | AxesFound | Inspected

@@ -5,12 +5,16 @@ from __future__ import annotations
 import ast
 import os
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
+from typing import Any
 
 from oitbench.catalog.messages import (
     AxesFound,
     Describe,
     Entry,
+    Inspect,
+    Inspected,
     Nothing,
     Reply,
     Request,
@@ -18,11 +22,14 @@ from oitbench.catalog.messages import (
     Resolved,
 )
 from oitbench.effects import names
-from oitbench.errors import DeclarationError, locate
+from oitbench.errors import DeclarationError, OitbenchError, locate
 from oitbench.method.ablation import effects_axis
 from oitbench.places import Places
 from oitbench.plugins import Collection, installed_folder
 from oitbench.workers.serve import OnStep, serve
+
+_COARSE = 0.02
+"""Detail of a scene that is built for the names of its views alone."""
 
 
 def _begin(settings: Nothing, on_step: OnStep) -> Callable[[Request], Reply]:
@@ -33,6 +40,8 @@ def _begin(settings: Nothing, on_step: OnStep) -> Callable[[Request], Reply]:
             return Resolved(os.fsencode(installed_folder(request.value)))
         if isinstance(request, Describe):
             return _describe(collection, request)
+        if isinstance(request, Inspect):
+            return _inspect(collection, request)
         for name, path in request.method_paths.items():
             collection.places.methods.add(name, _path(path))
         collection.places.scenes.add(request.scene.partition("[")[0], _path(request.scene_path))
@@ -53,10 +62,21 @@ def _describe(collection: Collection, request: Describe) -> Entry:
         if request.kind == "method":
             return _method(collection, request.name, path)
         if request.kind == "scene":
-            return _scene(collection, request.name, path)
+            return _scene(collection, request.name, path, request.check)
         return _report(collection, request.name, path, request.check)
     except DeclarationError as error:
         return Entry(request.name, error=str(error))
+
+
+def _inspect(collection: Collection, request: Inspect) -> Inspected:
+    from oitbench.importing.scene import read_scene
+
+    path = _path(request.path)
+    collection.places.scenes.add(request.scene.partition("[")[0], path)
+    values: dict[str, Any] = collection.scene_values(request.scene)
+    imported = read_scene(path, **values)
+    files = {name: os.fsencode(file) for name, file in imported.files.items()}
+    return Inspected(list(imported.notes), files)
 
 
 def _method(collection: Collection, name: str, path: Path) -> Entry:
@@ -73,10 +93,16 @@ def _method(collection: Collection, name: str, path: Path) -> Entry:
     )
 
 
-def _scene(collection: Collection, name: str, path: Path) -> Entry:
+def _scene(collection: Collection, name: str, path: Path, check: bool) -> Entry:
     collection.places.scenes.add(name, path)
     scene = collection.scenes[name]
-    return Entry(name, _title(scene.doc), dict(scene.parameters), bool(scene.quick))
+    views: list[str] = []
+    if check:
+        with suppress(OitbenchError):
+            coarse = f"[detail={_COARSE:g}]" if "detail" in scene.parameters else ""
+            views = list(collection.build_scene(f"{name}{coarse}").view_names)
+    title = _title(scene.doc)
+    return Entry(name, title, dict(scene.parameters), bool(scene.quick), views=views)
 
 
 def _report(collection: Collection, name: str, path: Path, check: bool) -> Entry:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import errno
 import importlib
 import io
+import keyword
 import os
 import signal
 import sys
@@ -22,6 +23,7 @@ VERBS = (
     "stability",
     "visibility",
     "reference",
+    "import",
     "report",
     "compare",
     "baseline",
@@ -39,7 +41,10 @@ class _Verbs(click.Group):
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
         if cmd_name not in VERBS:
             return None
-        module = importlib.import_module(f"oitbench.cli.{cmd_name.replace('-', '_')}")
+        name = cmd_name.replace("-", "_")
+        # A keyword of Python is no name of a module.
+        name = f"{name}_" if keyword.iskeyword(name) else name
+        module = importlib.import_module(f"oitbench.cli.{name}")
         command: click.Command = module.command
         return command
 

@@ -64,6 +64,8 @@ def command(kind: str | None, as_json: bool, measure: bool, collections: tuple[P
             click.echo(f"  {entry['name']:{width}}  {entry['title']}")
             for key, parameter in entry.get("parameters", {}).items():
                 click.echo(f"  {'':{width}}    {key}={parameter['summary']}")
+            if entry.get("views"):
+                click.echo(f"  {'':{width}}    views: {', '.join(entry['views'])}")
 
 
 def _print_overview(collections: tuple[Path, ...], kind: str | None) -> None:
@@ -96,7 +98,15 @@ def _entries(catalog: Catalog, kind: str) -> list[dict[str, Any]]:
             for found in [_parameter(parameter)]
         ]
     single = _SINGULAR[kind]
-    return [_facts(single, catalog.entry(single, name)) for name in catalog.names(single)]
+    return [
+        _facts(single, catalog.entry(single, name)) | _views(catalog, single, name)
+        for name in catalog.names(single)
+    ]
+
+
+def _views(catalog: Catalog, kind: Kind, name: str) -> dict[str, Any]:
+    """Return the names of the views of a scene, which is built for that."""
+    return {"views": catalog.entry(kind, name, check=True).views} if kind == "scene" else {}
 
 
 def _facts(kind: Kind, entry: Entry) -> dict[str, Any]:

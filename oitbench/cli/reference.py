@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
 import click
@@ -35,6 +35,7 @@ from oitbench.path_traced.references.worker import (
 )
 from oitbench.places import Names
 from oitbench.truths import MATCHED, TRACED
+from oitbench.views import MAIN, seen
 from oitbench.workers import memory
 from oitbench.workers.process import Process
 
@@ -64,6 +65,7 @@ _SSAA = 2
     help="Samples for each sub-pixel, of each part. Pictures without random numbers always get one."
     "  [default: by the scene; 4 with --check]",
 )
+@options.views
 @options.size(None, "Size of the image in pixels.  [default: as stored, else 256x256]")
 @click.option(
     "--ssaa",
@@ -111,6 +113,7 @@ def command(
     truths: tuple[str, ...],
     effects: str | None,
     spp: int | None,
+    views: tuple[str, ...],
     size: tuple[int, int] | None,
     ssaa: int | None,
     seed: int,
@@ -141,9 +144,12 @@ def command(
     limit = memory.limit(memory_gib, 1)
     console = Console(highlight=False, soft_wrap=True)
     with Catalog(collections) as catalog:
-        jobs = list(_jobs(catalog, scenes, truths, chosen, size, ssaa))
+        jobs = list(_jobs(catalog, scenes, truths, chosen, views, size, ssaa))
     places = catalog.places
-    settings = Settings([os.fsencode(folder) for folder in places.folders])
+    settings = Settings(
+        [os.fsencode(folder) for folder in places.folders],
+        [os.fsencode(path) for path in places.scene_files],
+    )
     well, failed = True, 0
     with Process("oitbench.path_traced.references.worker", settings, Reply, limit) as worker:
 
@@ -173,7 +179,7 @@ def command(
             except OitbenchError as problem:
                 failed += 1
                 reason = str(problem).removeprefix(f"scene {job.scene}: ")
-                click.echo(f"failed   {job.scene}: {reason}", err=True)
+                click.echo(f"failed   {seen(job.scene, job.view)}: {reason}", err=True)
     sys.exit(2 if failed == len(jobs) else 1 if failed or not well else 0)
 
 
@@ -191,37 +197,55 @@ def _jobs(
     scenes: tuple[str, ...],
     truths: tuple[str, ...],
     chosen: Effect | None,
+    views: tuple[str, ...],
     size: tuple[int, int] | None,
     ssaa: int | None,
 ) -> Iterator[tuple[Job, str]]:
-    """Yield a job for each scene, truth, size and set of effects; those that are stored by default.
+    """Yield a job for each scene, view, truth, size and set of effects.
 
-    The text with each job tells why the scene cannot be loaded, or is empty.
+    By default, these are the stored ones. The text with each job tells why the scene cannot be
+    loaded, or is empty.
     """
     known = [info for info in _stored(catalog.places.folders) if info.truth in (truths or TRACED)]
     found = catalog.expand_scenes(scenes or dict.fromkeys(info.scene for info in known))
     if not found:
         raise UsageError("no reference is stored yet; name a scene to render")
     for choice in found:
-        stored = [info for info in known if info.scene == choice.label]
-        places: dict[tuple[tuple[int, int], str, tuple[str, ...]], None] = {
-            (size or info.size, info.truth, tuple(info.left_out)): None for info in stored
-        }
-        missing = truths or (() if stored else TRACED)
-        for truth in missing:
-            if all(place[1] != truth for place in places):
-                places[size or _SIZE, truth, ()] = None
-        if chosen is not None:
-            gone = tuple(names(~chosen))
-            places = dict.fromkeys((pixels, truth, gone) for pixels, truth, _ in places)
-        for pixels, truth, left_out in places:
-            same = [
-                info.ssaa
-                for info in stored
-                if (info.size, info.truth, tuple(info.left_out)) == (pixels, truth, left_out)
-            ]
-            grid = ssaa or (same[0] if same else _SSAA)
-            yield Job(choice.label, pixels, grid, truth, left_out), choice.error
+        of_scene = [info for info in known if info.scene == choice.label]
+        for view in views or dict.fromkeys([info.view for info in of_scene] or [MAIN]):
+            stored = [info for info in of_scene if info.view == view]
+            for job in _jobs_of(choice.label, view, stored, truths, chosen, size, ssaa):
+                yield job, choice.error
+
+
+def _jobs_of(
+    label: str,
+    view: str,
+    stored: Sequence[storage.Rendering],
+    truths: tuple[str, ...],
+    chosen: Effect | None,
+    size: tuple[int, int] | None,
+    ssaa: int | None,
+) -> Iterator[Job]:
+    """Yield the jobs of one view of a scene, whose `stored` references are known."""
+    places: dict[tuple[tuple[int, int], str, tuple[str, ...]], None] = {
+        (size or info.size, info.truth, tuple(info.left_out)): None for info in stored
+    }
+    missing = truths or (() if stored else TRACED)
+    for truth in missing:
+        if all(place[1] != truth for place in places):
+            places[size or _SIZE, truth, ()] = None
+    if chosen is not None:
+        gone = tuple(names(~chosen))
+        places = dict.fromkeys((pixels, truth, gone) for pixels, truth, _ in places)
+    for pixels, truth, left_out in places:
+        same = [
+            info.ssaa
+            for info in stored
+            if (info.size, info.truth, tuple(info.left_out)) == (pixels, truth, left_out)
+        ]
+        grid = ssaa or (same[0] if same else _SSAA)
+        yield Job(label, pixels, grid, truth, left_out, view)
 
 
 def _print_check(console: Console, checked: ReferenceChecked) -> bool:
@@ -241,7 +265,12 @@ def _print_check(console: Console, checked: ReferenceChecked) -> bool:
 
 def _reference_folder(scenes: Names, label: str) -> Path:
     """Return where the collection that has the scene's file keeps its references."""
-    return scenes[label.partition("[")[0]].parent.parent / storage.FOLDER
+    path = scenes[label.partition("[")[0]]
+    if path.suffix != ".py":
+        raise UsageError(
+            f"{path} is in no collection; give a folder with -o, or keep it by: oitbench import"
+        )
+    return path.parent.parent / storage.FOLDER
 
 
 def _facts(rendered: ReferenceRendered) -> str:

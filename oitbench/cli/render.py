@@ -12,6 +12,7 @@ from oitbench.cli import options
 from oitbench.errors import UsageError
 from oitbench.filenames import file_name
 from oitbench.matrix.plan import CELL_SECONDS
+from oitbench.views import MAIN, seen
 
 if TYPE_CHECKING:
     from oitbench.matrix.targets import DrawnTarget
@@ -53,6 +54,7 @@ def _read_names(ctx: click.Context, parameter: click.Parameter, value: str | Non
 )
 @options.effects
 @options.shading
+@options.views
 @options.timeout(CELL_SECONDS, "Seconds that the picture may take.")
 @options.memory
 @options.collections
@@ -65,31 +67,37 @@ def command(
     ssaa: int | None,
     effects: str,
     shading: tuple[str, ...],
+    views: tuple[str, ...],
     timeout: float | None,
     memory_gib: float | None,
     collections: tuple[Path, ...],
 ) -> None:
-    """Render SCENE with METHOD. Both are NAME[param=v]; METHOD can also be a folder."""
+    """Render SCENE with METHOD. Both are NAME[param=v]; METHOD can also be a folder.
+
+    Several views go to FILE@NAME.
+    """
     from oitbench.image import files as images
     from oitbench.matrix import picture
     from oitbench.matrix.targets import LIST, draw
 
     rest = effects, collections, timeout, memory_gib, shading
     if targets == [LIST]:
-        _print_list(draw(scene, method, targets, size, ssaa or 1, *rest))
+        _print_list(draw(scene, method, targets, size, ssaa or 1, *rest, *views[:1]))
         return
     if out is None:
         raise UsageError("Missing option '-o' / '--out'.")
     if out.suffix not in (".exr", ".png"):
         raise UsageError(f"{out}: unknown format of a picture; end the name in .exr or .png")
-    if targets:
-        _write(out, targets, draw(scene, method, targets, size, ssaa or 1, *rest))
-        return
-    image, exposure = picture.render(scene, method, size, ssaa or 2, *rest)
-    if out.suffix == ".exr":
-        images.write_exr(out, image)
-    else:
-        images.write_png(out, images.to_srgb(image, exposure))
+    for view in views or (MAIN,):
+        path = out.with_stem(seen(out.stem, view)) if len(views) > 1 else out
+        if targets:
+            _write(path, targets, draw(scene, method, targets, size, ssaa or 1, *rest, view))
+            continue
+        image, exposure = picture.render(scene, method, size, ssaa or 2, *rest, view)
+        if path.suffix == ".exr":
+            images.write_exr(path, image)
+        else:
+            images.write_png(path, images.to_srgb(image, exposure))
 
 
 def _print_list(drawn: Sequence[DrawnTarget]) -> None:

@@ -12,6 +12,7 @@ import click
 from oitbench.cli import options
 from oitbench.matrix.plan import CELL_SECONDS
 from oitbench.truths import TRUTHS
+from oitbench.views import MAIN
 
 if TYPE_CHECKING:
     from oitbench.matrix.run import Summary
@@ -43,6 +44,7 @@ _WIDE = 200
 @options.ssaa
 @options.effects_axis
 @options.shading
+@options.views
 @click.option(
     "--truth",
     "truths",
@@ -88,6 +90,7 @@ def command(
     effects: tuple[str, ...],
     truths: tuple[str, ...],
     shading: tuple[str, ...],
+    views: tuple[str, ...],
     out: Path,
     force: bool,
     timeout: float | None,
@@ -113,7 +116,7 @@ def command(
 
     matrix = plan_matrix(
         scenes, methods, preset, size, effects, ssaa, out, collections, seed, force,
-        timeout, workers, memory_gib, truths, shading,
+        timeout, workers, memory_gib, truths, shading, views or (MAIN,),
     )  # fmt: skip
     console = Console(stderr=True, highlight=False, soft_wrap=True)
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn())
@@ -128,7 +131,7 @@ def command(
         def show(cell: Cell, record: Record | None) -> None:
             progress.advance(task)
             if record is not None and (record.status in TROUBLED or record.status == "skipped"):
-                note(f"{record.status}: {cell.scene} {cell.method}: {record.reason}")
+                note(f"{record.status}: {cell.seen} {cell.method}: {record.reason}")
 
         summary = run_matrix(matrix, show, note)
     _print_end(out, summary)
@@ -157,7 +160,7 @@ def _print_table(summary: Summary) -> None:
     for title in ("status", "scene", "method", "effects", "reason"):
         table.add_column(title, overflow="fold")
     for record in summary.troubled:
-        table.add_row(record.status, record.scene, record.method, record.effects, record.reason)
+        table.add_row(record.status, record.seen, record.method, record.effects, record.reason)
     # Keep whole labels in files and pipes.
     width = None if sys.stdout.isatty() else _WIDE
     Console(width=width, markup=False, highlight=False).print(table)

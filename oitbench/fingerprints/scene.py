@@ -13,7 +13,9 @@ to steps that are far above such differences and far below everything that a pic
 Numbers of one tuple or array that are below 10⁻⁴ of its largest are rounded like numbers of that
 size, because small ones may be nothing but rounding.
 
-Names of objects and of classes do not matter. Names of fields do, and so does every value.
+Names of objects and of classes do not matter, and neither do views other than the scene's camera.
+Names of fields do, and so does every value. A mesh that depends on the view is digested as it is
+described.
 """
 
 from __future__ import annotations
@@ -21,12 +23,13 @@ from __future__ import annotations
 import dataclasses
 import hashlib
 from collections.abc import Iterable
+from enum import Enum
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from oitbench.scene import Mesh, Object, Scene
+from oitbench.scene import Camera, Material, Mesh, Object, Scene, Texture
 from oitbench.scene.vectors import Floats
 
 _VERTEX_STEP = 1e-6
@@ -38,7 +41,15 @@ _ARRAY_DIGITS = 20
 _SMALL = 1e-4
 _PLACES = frozenset({"position", "target", "low", "high"})
 """Fields that hold a point in the world as a tuple."""
-_UNSEEN = ((Scene, "name"), (Scene, "full_samples"), (Object, "name"))
+_UNSEEN = (
+    (Scene, "name"), (Scene, "full_samples"), (Scene, "views"), (Scene, "path"), (Object, "name"),
+)  # fmt: skip
+_LATER = (
+    (Camera, "height"), (Texture, "wrap"), (Material, "cutoff"), (Material, "culled"),
+    (Mesh, "albedo"), (Mesh, "transmission"), (Mesh, "coverage"),
+)  # fmt: skip
+"""Fields that are younger than stored fingerprints: they count only where they differ from their
+defaults."""
 _ROUND = 0.88196601125
 """Added before rounding down: one half, and a shift by an irrational fraction of a step.
 
@@ -98,14 +109,16 @@ class _Encoder:
         if isinstance(value, str):
             # An object may refer to another by its name, which itself changes no picture.
             number = self._objects.get(value)
-            return _digest("text", value) if number is None else _digest("object", str(number))
+            text = value.value if isinstance(value, Enum) else value
+            return _digest("text", text) if number is None else _digest("object", str(number))
         raise TypeError(f"{type(value).__name__} has no fingerprint")
 
     def _fields(self, owner: Any) -> bytes:
         parts: list[str | bytes] = []
         for field in dataclasses.fields(owner):
-            unseen = any(isinstance(owner, kind) and field.name == name for kind, name in _UNSEEN)
-            if field.init and not unseen:
+            later = _is_in(_LATER, owner, field.name)
+            default = later and _is_default(getattr(owner, field.name), field.default)
+            if field.init and not default and not _is_in(_UNSEEN, owner, field.name):
                 parts += [field.name, self._field(owner, field.name)]
         return _digest("fields", *parts)
 
@@ -117,6 +130,14 @@ class _Encoder:
             reach = max(self._size, *map(abs, value))
             return _points(value, min(_PLACE_STEP * reach, _VERTEX_STEP * self._size))
         return self.encode(value)
+
+
+def _is_in(fields: Iterable[tuple[type, str]], owner: object, name: str) -> bool:
+    return any(isinstance(owner, kind) and name == one for kind, one in fields)
+
+
+def _is_default(value: object, default: object) -> bool:
+    return not isinstance(value, np.ndarray) and value == default
 
 
 def _is_number(value: object) -> bool:

@@ -11,7 +11,6 @@ from typing import Any
 import glcontext
 import moderngl
 import numpy as np
-import numpy.typing as npt
 
 from oitbench.errors import CapabilityError, unknown
 from oitbench.gl.capabilities import CAPABILITIES, FETCH, MECHANISMS, is_software, loop_limit
@@ -20,7 +19,7 @@ from oitbench.method.blending import Blend
 from oitbench.method.formats import Format
 
 _COLOR, _TEXTURE_2D, _DEPTH_COMPONENT, _FLOAT = 0x1800, 0x0DE1, 0x1902, 0x1406
-_DEPTH_COMPONENT32F, _TEXTURE_2D_MULTISAMPLE, _DEPTH, _RGBA = 0x8CAC, 0x9100, 0x1801, 0x1908
+_DEPTH_COMPONENT32F, _TEXTURE_2D_MULTISAMPLE, _DEPTH = 0x8CAC, 0x9100, 0x1801
 _PIXEL_UNPACK_BUFFER, _RED = 0x88EC, 0x1903
 _MAX_VIEWPORT, _LOWER_LEFT, _ZERO_TO_ONE = 0x0D3A, 0x8CA1, 0x935F
 _LIMITS = {
@@ -248,30 +247,6 @@ class Device:
         # moderngl binds the previous framebuffer again, which may have been released.
         self.context.screen.use()
         return self.context.framebuffer(colors, depth)
-
-    def write_layer(
-        self,
-        array: moderngl.TextureArray,
-        level: int,
-        corner: tuple[int, int, int],
-        texels: npt.NDArray[np.float32],
-    ) -> None:
-        """Write part of a mip level of a float RGBA array; moderngl only writes level 0.
-
-        Parameters
-        ----------
-        array : moderngl.TextureArray
-        level : int
-        corner : (int, int, int)
-            Column, row and layer of the first texel.
-        texels : array, shape (h, w, 4)
-        """
-        data = np.ascontiguousarray(texels, dtype=np.float32)
-        height, width = data.shape[:2]
-        self.call(
-            "glTextureSubImage3D",
-            *(array.glo, level, *corner, width, height, 1, _RGBA, _FLOAT, data.ctypes.data),
-        )
 
     def write_volume(self, texture: moderngl.Texture3D, numbers: moderngl.Buffer) -> None:
         """Write a volume of one component from a buffer of single-precision floats."""

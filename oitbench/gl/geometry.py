@@ -6,7 +6,7 @@ All vertices share one buffer, so that any draw order is an order of indices.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Hashable
 
 import moderngl
 import numpy as np
@@ -20,13 +20,14 @@ from oitbench.gl.planes import nearness_of_vertices, with_separate_corners
 from oitbench.gl.surface_textures import (
     MATERIALS_ACROSS,
     SurfaceTextures,
+    Variation,
     surface_key,
     upload_surfaces,
 )
-from oitbench.gl.view import view_block
+from oitbench.gl.view import bounded_camera, view_block
 from oitbench.method.passes import Objects, Order
-from oitbench.scene import BLACK, LEAST_LOBE, FragmentLists, Material, Object, Scene, Vector
-from oitbench.scene.texturing import constants_of, image_key, images_of
+from oitbench.scene import BLACK, LEAST_LOBE, FragmentLists, Material, Mesh, Object, Scene, Vector
+from oitbench.scene.texturing import constant, constants_of, image_key, images_of
 
 VERTEX = np.dtype(
     [
@@ -41,6 +42,9 @@ VERTEX = np.dtype(
     ]
 )
 VERTEX_FORMAT = "3f4 2f4 3f4 3f4 1f4 1f4 3f4 1f4"
+FACTORS = np.dtype([("in_albedo", "f4", 3), ("in_passing", "f4", 3), ("in_part", "f4")])
+"""Factors of vertices on albedo, transmission and coverage; only scenes that have some."""
+FACTORS_FORMAT = "3f4 3f4 1f4"
 _UNTEXTURED = -1
 
 
@@ -69,13 +73,15 @@ class Geometry(Owner):
     vertices : moderngl.Buffer
     planes : moderngl.Buffer or None
         Planes of the vertices, if surfaces coincide (see `oitbench.scene.coincidence`).
+    factors : moderngl.Buffer or None
+        Factors of the vertices, if any mesh has some.
     textures : dict of str to moderngl.TextureArray or moderngl.Texture
         Samplers of the surface shader by name.
 
     Raises
     ------
     SceneError
-        The scene mixes fragment lists and objects, or its textures have several sizes.
+        The scene mixes fragment lists and objects.
     CapabilityError
         The scene exceeds the driver's limits.
     """
@@ -85,15 +91,18 @@ class Geometry(Owner):
             raise SceneError(f"scene {scene.name}: fragment lists cannot be mixed with objects")
         super().__init__()
         self.scene, self._coincidence = with_separate_corners(scene.seen_from_camera())
+        self._camera = bounded_camera(self.scene)
         self.origin = _less_kilometers(scene.in_meters().camera.position)
         self.textures: dict[str, moderngl.TextureArray | moderngl.Texture] = {}
         self._device = device
         self._storeys = 1
         self.planes: moderngl.Buffer | None = None
+        self.factors: moderngl.Buffer | None = None
+        self._macros: dict[str, float] = {}
         self._orders: dict[Batch, IndexOrder] = {}
         surfaces = {surface_key(item): item for item in scene.objects}
         self._numbers = {key: number for number, key in enumerate(surfaces)}
-        self._images: SurfaceTextures | None = None
+        self._images: dict[Hashable, int] = {}
         with self.building():
             if self.scene.lists is not None:
                 self._upload_lists(self.scene.lists)
@@ -103,11 +112,18 @@ class Geometry(Owner):
     def _upload_surfaces(self, objects: list[Object]) -> None:
         materials = [item.material for item in objects]
         if any(images_of(material) for material in materials):
-            images = SurfaceTextures(self._device, f"scene {self.scene.name}", materials)
-            self._images = self.own(images)
-            self.textures["surface_textures"] = self._images.array
+            textures = self.own(SurfaceTextures(self._device, materials))
+            self._images = textures.numbers
+            self.textures |= textures.samplers
+            self._macros |= {"TEXTURED": 1, **textures.macros}
         if any(_reflects_or_bends(material) for material in materials):
             self.textures["surface_materials"] = self.own(upload_surfaces(self._device, objects))
+            self._macros |= {"DETAILED": 1, "MATERIALS_ACROSS": MATERIALS_ACROSS}
+            self._macros["LEAST_LOBE"] = LEAST_LOBE
+        if objects:
+            variation = self.own(Variation(self._device, objects, self._images))
+            self.textures |= variation.samplers
+            self._macros |= variation.macros
 
     def _upload_triangles(self) -> None:
         scene = self.scene
@@ -131,13 +147,18 @@ class Geometry(Owner):
         parts = [*opaque, *transparent]
         vertices = np.concatenate(parts) if parts else np.zeros(1, VERTEX)
         self.vertices = self.own(self._device.context.buffer(vertices.tobytes()))
+        objects = [*scene.opaque, *scene.transparent]
+        if any(item.mesh.factors for item in objects):
+            factors = np.concatenate([_factors_of(item.mesh) for item in objects])
+            self.factors = self.own(self._device.context.buffer(factors.tobytes()))
+            self._macros |= {"VARIED": 1, "VERTEX_FACTORS": 1}
         if self._coincidence is not None:
             rows = nearness_of_vertices(scene, self._coincidence)
             self.planes = self.own(self._device.context.buffer(rows.tobytes()))
 
     def view(self, size: tuple[int, int], transmittance: bool = False, subsample: int = 1) -> bytes:
         """Return the bytes of `View` for a frame of the scene's camera; see `view_block`."""
-        return view_block(self.scene.camera, size, transmittance, subsample, self.origin)
+        return view_block(self._camera, size, transmittance, subsample, self.origin)
 
     @property
     def coincident(self) -> tuple[str, str] | None:
@@ -158,14 +179,7 @@ class Geometry(Owner):
         """Facts about the scene that the surface shader needs at compile time."""
         if self.has_lists:
             return f"#define LISTS {self._storeys}"
-        found: dict[str, float] = {}
-        if self._images is not None:
-            found |= {"TEXTURED": 1, **self._images.slots.macros}
-        if "surface_materials" in self.textures:
-            found |= {"DETAILED": 1, "MATERIALS_ACROSS": MATERIALS_ACROSS}
-            found["LEAST_LOBE"] = LEAST_LOBE
-        if self.planes is not None:
-            found["PLANES"] = 1
+        found = self._macros | ({} if self.planes is None else {"PLANES": 1})
         return "\n".join(f"#define {name} {value}" for name, value in found.items())
 
     def in_submission_order(self, batch: Batch) -> IndexOrder:
@@ -190,19 +204,17 @@ class Geometry(Owner):
         vertices["in_uv"] = 0.0 if mesh.uvs is None else mesh.uvs
         factor = 1.0 if mesh.radiance is None else mesh.radiance
         vertices["in_radiance"] = np.asarray(emission, dtype=np.float32) * factor
-        vertices["in_transmission"] = material.transmission
+        vertices["in_transmission"] = constant(material.transmission)
         vertices["in_coverage"] = coverage
-        vertices["in_layer"] = self._slot(material)
+        vertices["in_layer"] = self._texture(material)
         # A zero normal selects the normal of the triangle.
         vertices["in_normal"] = 0.0 if mesh.normals is None else mesh.normals
         vertices["in_material"] = self._numbers[surface_key(item)]
         return vertices
 
-    def _slot(self, material: Material) -> int:
-        images = images_of(material)
-        if images is None or self._images is None:
-            return _UNTEXTURED
-        return self._images.numbers[image_key(images)]
+    def _texture(self, material: Material) -> int:
+        images = images_of(material).get("emission")
+        return _UNTEXTURED if images is None else self._images[image_key(images)]
 
     def _upload_lists(self, lists: FragmentLists) -> None:
         device, context = self._device, self._device.context
@@ -225,6 +237,13 @@ class Geometry(Owner):
             array = self.own(context.texture_array(size, 4, texels, dtype="f4"))
             array.filter = (moderngl.NEAREST, moderngl.NEAREST)
             self.textures[name] = array
+
+
+def _factors_of(mesh: Mesh) -> npt.NDArray[np.void]:
+    factors = np.ones(len(mesh.positions), FACTORS)
+    for name, own in zip(FACTORS.names or (), ("albedo", "transmission", "coverage"), strict=True):
+        factors[name] = mesh.factors.get(own, 1.0)
+    return factors
 
 
 def _less_kilometers(position: Vector) -> Vector:

@@ -25,10 +25,16 @@ class UploadedScene(Owner):
     scene : Scene
     settings : ShadingSettings
         Settings of shared shading.
+    rows : int
+        Height of the frames in pixels, sub-pixels included, for strands (see `Scene.resolved`).
+        Default: 0, unknown.
 
     Attributes
     ----------
+    scene : Scene
+        As it is given.
     geometry : Geometry
+        Of the scene as its camera sees it.
 
     Raises
     ------
@@ -36,14 +42,16 @@ class UploadedScene(Owner):
         The scene cannot be uploaded; see `Geometry`.
     """
 
-    def __init__(self, device: Device, scene: Scene, settings: ShadingSettings = DEFAULT) -> None:
+    def __init__(
+        self, device: Device, scene: Scene, settings: ShadingSettings = DEFAULT, rows: int = 0
+    ) -> None:
         super().__init__()
         self.device, self.scene = device, scene
         self.settings = settings
         self._lightings: dict[Effect, Lighting] = {}
         self._counts: dict[tuple[tuple[int, int], bool], npt.NDArray[np.int64]] = {}
         with self.building(), device.checked(f"scene {scene.name}"):
-            self.geometry = self.own(Geometry(device, scene))
+            self.geometry = self.own(Geometry(device, scene.resolved(rows)))
 
     def lighting(self, effects: Effect) -> Lighting | None:
         """Return the lighting that all frames under the same effects of shading share.

@@ -2,13 +2,23 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from oitbench.gl.tiling import TILE
-from oitbench.scene import Camera, DirectionalLight, Floats, Object, SpotLight, Vector, axes_along
+from oitbench.scene import (
+    Camera,
+    DirectionalLight,
+    Floats,
+    Object,
+    Scene,
+    SpotLight,
+    Vector,
+    axes_along,
+)
 from oitbench.scene.checks import require, single_precision
 
 ITERATION_OFFSET = 160
@@ -30,7 +40,8 @@ class Projection:
     near, far : float
         View distances in meters; `far` may be infinite.
     focal : float
-        Focal length for a picture of height two.
+        Focal length for a picture of height two; the inverse of half its height in meters if rays
+        are parallel.
     eye : array, shape (4,)
         Position and 1, or the direction to the viewer and 0 for parallel rays.
     """
@@ -97,15 +108,35 @@ class Projection:
 
 def camera_projection(camera: Camera, aspect: float) -> Projection:
     """Return the projection of a camera whose picture is `aspect` times as wide as high."""
-    focal = 1 / math.tan(camera.fov_y / 2)
+    focal = 2 / camera.span
+    kind = _orthographic if camera.orthographic else _perspective
+    eye = [*camera.axes[2], 0.0] if camera.orthographic else [*camera.position, 1.0]
     return Projection(
         _to_camera(camera.axes, np.asarray(camera.position)),
-        _perspective(focal / aspect, focal, camera.near, camera.far),
+        kind(focal / aspect, focal, camera.near, camera.far),
         camera.near,
         camera.far,
         focal,
-        np.array([*camera.position, 1.0]),
+        np.array(eye),
     )
+
+
+def bounded_camera(scene: Scene) -> Camera:
+    """Return the camera of `scene`, with a finite far plane if it is orthographic.
+
+    A linear depth has no infinite far plane. This one is just behind all that is visible.
+    """
+    camera, medium = scene.camera, scene.medium
+    if not camera.orthographic or math.isfinite(camera.far):
+        return camera
+    distances = [camera.view_distance(item.mesh.used_positions) for item in scene.objects]
+    if medium is not None:
+        corners = itertools.product(*zip(medium.low, medium.high, strict=True))
+        distances.append(camera.view_distance(list(corners)))
+    if scene.lists is not None:
+        distances.append(scene.lists.z.astype(np.float64))
+    deepest = max(float(part.max()) for part in distances)
+    return replace(camera, far=1.01 * max(deepest, 2 * camera.near))
 
 
 def view_block(
@@ -173,8 +204,7 @@ def _parallel(
     before = _MARGIN * reach
     eye = np.array([center[0], center[1], high[2] + 2 * before]) @ axes
     near, far = before, float(high[2] + 2 * before - min(low[2], deepest)) * 1.01
-    to_clip = np.diag([1 / half[0], 1 / half[1], 1 / (far - near), 1.0])
-    to_clip[2, 3] = far / (far - near)
+    to_clip = _orthographic(1 / float(half[0]), 1 / float(half[1]), near, far)
     return Projection(
         _to_camera(axes, eye),
         to_clip,
@@ -237,6 +267,12 @@ def _to_camera(axes: Floats, position: Floats) -> Floats:
     matrix = np.eye(4)
     matrix[:3, :3] = axes
     matrix[:3, 3] = -axes @ position.astype(np.float64)
+    return matrix
+
+
+def _orthographic(across: float, along: float, near: float, far: float) -> Floats:
+    matrix = np.diag([across, along, 1 / (far - near), 1.0])
+    matrix[2, 3] = far / (far - near)
     return matrix
 
 

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import errno
 import os
+import struct
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
@@ -17,6 +18,7 @@ import numpy.typing as npt
 
 from oitbench.atomic import FULL_DISK, replacing
 from oitbench.errors import UsageError, printable
+from oitbench.image import pictures, radiance
 
 Image = npt.NDArray[np.float32]
 
@@ -28,6 +30,9 @@ _NONFINITE_COLOR = (1.0, 0.0, 1.0)
 _MAP_CHANNELS = ("ldr", "hdr")
 _ZIP_ROWS = 16
 """Rows of each block of a ZIP-compressed OpenEXR file."""
+MOST_PIXELS = 1 << 28
+"""Pixels of the largest picture that is read unless another limit is given."""
+_OPENEXR = bytes([0x76, 0x2F, 0x31, 0x01])
 _PROBE = 1 << 16
 """Bytes that a full disk does not take any more."""
 
@@ -265,6 +270,60 @@ def to_srgb(linear: npt.ArrayLike, exposure: float) -> Image:
         curve = 1.055 * clipped ** (1 / 2.4) - 0.055
     encoded: Image = np.where(clipped <= 0.0031308, toe, curve).astype(np.float32)
     return encoded
+
+
+def read_image(source: Path | str | bytes, most_pixels: int = MOST_PIXELS) -> Image:
+    """Read a picture of any of the usual kinds: PNG, JPEG, Radiance HDR or OpenEXR.
+
+    Parameters
+    ----------
+    source : path or bytes
+        A file, or the content of one (not of OpenEXR). Its first bytes tell its kind.
+    most_pixels : int
+        Larger pictures are refused before they are unpacked.
+
+    Returns
+    -------
+    array, shape (h, w, 3) or (h, w, 4), float32
+        Linear Rec.709, top row first. PNG and JPEG are taken for sRGB. A fourth channel is alpha,
+        where the file has one; colors are as the file has them.
+
+    Raises
+    ------
+    UsageError
+        If the file is missing, damaged, too large or of another kind.
+    """
+    name = "the image" if isinstance(source, bytes) else str(source)
+    try:
+        content = source if isinstance(source, bytes) else Path(source).read_bytes()
+    except OSError as error:
+        raise UsageError(f"{name} cannot be read: {error.strerror}") from error
+    try:
+        if content.startswith(radiance.SIGNATURES):
+            pictures.require_few(name, radiance.size_of(content)[:2], most_pixels)
+            return radiance.decode(content)
+        if content.startswith(_OPENEXR) and not isinstance(source, bytes):
+            return _read_exr_image(Path(source), most_pixels)
+        return pictures.decode(content, name, most_pixels)
+    except (OSError, ValueError, SyntaxError, EOFError, struct.error) as error:
+        raise UsageError(
+            f"{name} is no readable PNG, JPEG, HDR or OpenEXR image ({error}); convert it"
+        ) from error
+
+
+def _read_exr_image(path: Path, most_pixels: int) -> Image:
+    import OpenEXR
+
+    with _utf8_name(path, os.O_RDONLY) as name, OpenEXR.File(name, header_only=True) as file:
+        low, high = file.header()["dataWindow"]
+        height, width = int(high[1]) - int(low[1]) + 1, int(high[0]) - int(low[0]) + 1
+    pictures.require_few(str(path), (height, width), most_pixels)
+    channels = _read_channels(path)
+    pixels = next((channels[name] for name in ("RGBA", "RGB", "Y") if name in channels), None)
+    if pixels is None:
+        raise ValueError(f"its channels are {', '.join(channels)}, not RGB")
+    colors = np.repeat(pixels[..., None], 3, axis=2) if pixels.ndim == 2 else pixels
+    return np.ascontiguousarray(colors, dtype=np.float32)
 
 
 def mark_nonfinite(srgb: npt.ArrayLike) -> Image:

@@ -131,7 +131,7 @@ class Bench:
         """Free the scene that is kept for further cells."""
         if self._stage is not None:
             stage, self._stage = self._stage, None
-            stage.uploaded.release()
+            stage.release()
 
     def run(self, cell: Cell) -> Record:
         """Render and score one cell; an error that belongs to the cell becomes its reason.
@@ -171,7 +171,7 @@ class Bench:
         if contradiction and outcome is not None:
             record = record.suspect(contradiction)
         drawn = outcome is None or outcome.max_depth_complexity > 0
-        return record if drawn else _without_fragments(record, self.identities.scene(cell.scene))
+        return record if drawn else _without_fragments(record, self.identities.scene(cell))
 
     def _run(self, cell: Cell, method: Method) -> tuple[Outcome, str]:
         """Return what was measured, and why its numbers contradict each other, or ""."""
@@ -189,8 +189,8 @@ class Bench:
             with Frame(uploaded, method, fine, effects) as frame:
                 image, transmittance = with_transmittance(frame, cell.ssaa)
                 complexity, plan = int(frame.complexity.max()), frame.plan
-            cost = _count(uploaded, method, cell.size, effects, plan)
-            spread = _order_spread(uploaded, method, cell, effects, plan)
+            cost = _count(stage.coarse, method, cell.size, effects, plan)
+            spread = _order_spread(stage.coarse, method, cell, effects, plan)
         scorer = Scorer(stage, exact, image, self._store)
         scores, reason = self._score_all(stage, cell, chosen, exact, scorer)
         rmse = metrics.rmse_transmittance(exact.transmittance, transmittance)
@@ -220,14 +220,15 @@ class Bench:
 
     def _prepare(self, cell: Cell) -> Stage:
         """Return the stage of the cell's scene, which is kept while its identity stays the same."""
-        wanted = (cell.scene, cell.size, cell.ssaa, cell.shading)
+        wanted = (cell.scene, cell.size, cell.ssaa, cell.shading, cell.view)
         stage = self._stage
         if stage is not None and stage.identity == wanted:
             return stage
         self.leave_scene()
         with self.watch.running("rendering"):
-            scene = self.identities.scene(cell.scene)
-            uploaded = UploadedScene(self.device, scene, cell.settings)
+            scene = self.identities.scene(cell)
+            rows = cell.size[1] * cell.ssaa
+            uploaded = UploadedScene(self.device, scene, cell.settings, rows)
         self._stage = Stage(*wanted, uploaded, self.collection.truth(), self._store)
         return self._stage
 
@@ -299,7 +300,7 @@ class Bench:
             ]
             timings: list[Timing] = []
             if same:
-                scene = self.identities.scene(same[0].cell.scene)
+                scene = self.identities.scene(same[0].cell)
                 self._on_step(_TIMING)
                 timings = time_cells(self.device, self.collection, scene, same, schedule)
             found = dict(zip((scored.cell for scored in same), timings, strict=True))

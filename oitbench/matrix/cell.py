@@ -12,6 +12,7 @@ from oitbench.method.ablation import REQUESTED, leave_out
 from oitbench.results.schema import CellKey, Record, Status
 from oitbench.shading import ShadingSettings, read_shading
 from oitbench.truths import TRUTHS
+from oitbench.views import MAIN, seen
 
 
 class Cell(Struct, frozen=True):
@@ -36,6 +37,8 @@ class Cell(Struct, frozen=True):
         Keys of the truths to score against; the exact one is always among them.
     shading : str
         Settings of shared shading that differ from their defaults, as `ShadingSettings.label`.
+    view : str
+        Name of the scene's camera; see `Scene.from_view`.
     """
 
     scene: str
@@ -47,11 +50,19 @@ class Cell(Struct, frozen=True):
     permutations: int = 4
     truths: tuple[str, ...] = tuple(TRUTHS)
     shading: str = ""
+    view: str = MAIN
 
     @property
     def key(self) -> CellKey:
         """The cell's place in a store."""
-        return CellKey(self.scene, self.method, self.size, self.ssaa, self.effects, self.shading)
+        return CellKey(
+            self.scene, self.method, self.size, self.ssaa, self.effects, self.shading, self.view
+        )
+
+    @property
+    def seen(self) -> str:
+        """The label of the scene with its view, unless that is the main one."""
+        return seen(self.scene, self.view)
 
     def record(self, status: Status, reason: str = "", **fields: Any) -> Record:
         """Return the record of this cell.
@@ -66,7 +77,7 @@ class Cell(Struct, frozen=True):
         return Record(
             self.scene, self.method, name, self.size, self.ssaa, self.effects, self.seed,
             self.permutations, list(self.truths), status, reason,
-            shading=self.shading, **fields,
+            shading=self.shading, view=self.view, **fields,
         )  # fmt: skip
 
     @property

@@ -14,10 +14,11 @@ from oitbench.plugins import Collection
 from oitbench.results.schema import WHOLE, Fingerprints
 from oitbench.scene import Scene
 from oitbench.truths import EXACT, MATCHED, TRACED, ranking_truth
+from oitbench.views import MAIN
 
 
 class Identities:
-    """Builds scenes and computes fingerprints of cells; the last scene is kept.
+    """Builds scenes and computes fingerprints of cells; the last scene is kept with its views.
 
     Parameters
     ----------
@@ -29,13 +30,13 @@ class Identities:
     def __init__(self, collection: Collection, on_building: Callable[[], None]) -> None:
         self._collection, self._on_building = collection, on_building
         self._label = ""
-        self._scene: tuple[Scene, str] | None = None
+        self._views: dict[str, tuple[Scene, str]] = {}
         self._methods: dict[str, str] = {}
         self._truths: dict[tuple[str, int], str] = {}
 
-    def scene(self, label: str) -> Scene:
-        """Return a scene by its label."""
-        return self._described(label)[0]
+    def scene(self, cell: Cell) -> Scene:
+        """Return the scene of a cell as seen from its view."""
+        return self._described(cell)[0]
 
     def find(self, cell: Cell) -> Fingerprints | None:
         """Return the fingerprints of a cell; None if its scene or its method is broken."""
@@ -53,7 +54,7 @@ class Identities:
         OitbenchError
             The scene cannot be built, or the method's files have changed since they were loaded.
         """
-        scene, fingerprint = self._described(cell.scene)
+        scene, fingerprint = self._described(cell)
         truths = {EXACT: method_fingerprint(self._collection.truth())}
         chosen = choose_effects(cell.effects, scene.effects)
         for kind in TRACED:
@@ -82,19 +83,22 @@ class Identities:
             raise UsageError(f"{method.name}: its files changed during the run; run again")
         return current
 
-    def _described(self, label: str) -> tuple[Scene, str]:
-        if self._scene is None or self._label != label:
-            self._scene, self._truths = None, {}
+    def _described(self, cell: Cell) -> tuple[Scene, str]:
+        if not self._views or self._label != cell.scene:
+            self._views, self._truths = {}, {}
             self._on_building()
-            scene = self._collection.build_scene(label)
-            self._label, self._scene = label, (scene, scene_fingerprint(scene))
-        return self._scene
+            scene = self._collection.build_scene(cell.scene)
+            self._label, self._views[MAIN] = cell.scene, (scene, scene_fingerprint(scene))
+        if cell.view not in self._views:
+            scene = self._views[MAIN][0].from_view(cell.view)
+            self._views[cell.view] = scene, scene_fingerprint(scene)
+        return self._views[cell.view]
 
     def _traced(self, cell: Cell, scene: Scene, kind: str, chosen: Effect) -> str:
         from oitbench.path_traced.references.lookup import truth_fingerprint
         from oitbench.path_traced.references.wanted import Wanted
 
-        wanted = Wanted(scene, cell.scene, cell.size, cell.ssaa, kind, chosen)
+        wanted = Wanted(scene, cell.scene, cell.size, cell.ssaa, kind, chosen, cell.view)
         place = wanted.key, wanted.grid
         if place not in self._truths:
             self._truths[place] = truth_fingerprint(wanted, self._collection.folders)

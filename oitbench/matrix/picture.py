@@ -14,6 +14,7 @@ from oitbench.matrix.pool import lone_worker
 from oitbench.matrix.worker import DrawPicture, PictureDrawn
 from oitbench.method.ablation import REQUESTED
 from oitbench.shading import read_shading
+from oitbench.views import MAIN
 from oitbench.workers.messages import Step
 
 _DRAWING = Step("drawing the picture")
@@ -29,6 +30,7 @@ def render(
     timeout: float | None = CELL_SECONDS,
     memory_gib: float | None = None,
     shading: Sequence[str] = (),
+    view: str = MAIN,
 ) -> tuple[Image, float]:
     """Render `scene` with `method` in a process of its own.
 
@@ -50,6 +52,8 @@ def render(
         Memory that the process may use, in GiB. Default: 75 % of the machine's.
     shading : sequence of str
         Settings of shared shading, NAME=value.
+    view : str
+        Name of the scene's camera; see `Scene.from_view`.
 
     Returns
     -------
@@ -64,9 +68,9 @@ def render(
         Something is unknown, out of range, or not available on this machine, or the process ended.
     """
     settings = read_shading(",".join(shading)).label
-    with lone_worker(collections, memory_gib) as (worker, folder):
+    with lone_worker(scene, collections, memory_gib) as (worker, folder):
         file = folder / "image.npy"
-        request = DrawPicture(scene, method, size, ssaa, effects, os.fsencode(file), settings)
+        request = DrawPicture(scene, method, size, ssaa, effects, os.fsencode(file), settings, view)
         drawn = worker.ask(request, PictureDrawn, timeout, _DRAWING)
         image: Image = np.load(file)
     return image, drawn.exposure

@@ -15,6 +15,8 @@ from oitbench.matrix.cell import Cell, choose_effects
 from oitbench.method.ablation import EACH, REQUESTED
 from oitbench.shading import parse_shading
 from oitbench.truths import EXACT, TRUTHS
+from oitbench.views import MAIN
+from oitbench.views import parse as parse_views
 from oitbench.workers import memory
 
 CELL_SECONDS = 1800.0
@@ -75,6 +77,8 @@ class Matrix:
     seed : int
     collections, method_folders : tuple of Path
         All collection folders, and folders of further methods.
+    scene_files : tuple of Path
+        Files that are scenes.
     methods : tuple of str
         Names of all known methods.
     unusable : mapping of Cell to str
@@ -95,6 +99,7 @@ class Matrix:
     seed: int = 1
     collections: tuple[Path, ...] = ()
     method_folders: tuple[Path, ...] = ()
+    scene_files: tuple[Path, ...] = ()
     methods: tuple[str, ...] = ()
     unusable: Mapping[Cell, str] = field(default_factory=dict)
     force: bool = False
@@ -119,6 +124,7 @@ def plan_matrix(
     memory_gib: float | None = None,
     truths: Sequence[str] = (),
     shading: Sequence[str] = (),
+    views: Sequence[str] = (MAIN,),
 ) -> Matrix:
     """Check a request and expand it to cells.
 
@@ -150,6 +156,8 @@ def plan_matrix(
         the preset.
     shading : sequence of str
         Settings of shared shading, NAME=value,value each; all combinations are run.
+    views : sequence of str
+        NAME or NAME,NAME each: the cameras from which all scenes are seen; see `Scene.from_view`.
 
     Raises
     ------
@@ -173,6 +181,7 @@ def plan_matrix(
         if text != EACH:
             choose_effects(text, Effect.NONE)
     shadings = [one.label for one in parse_shading(shading)]
+    cameras = parse_views(views)
     limit = memory.limit(memory_gib, workers)
     seconds = LOAD_SECONDS if timeout is None else min(timeout, LOAD_SECONDS)
     wanted = (EXACT, *(truths or chosen.truths))
@@ -182,8 +191,9 @@ def plan_matrix(
         chosen_scenes = catalog.expand_scenes(scenes or _preset_scenes(catalog, chosen))
         chosen_methods = catalog.expand_methods(methods or _preset_methods(catalog, chosen))
         pairs = [
-            (Cell(scene.label, method.label, size, ssaa, effect, *settings, one), error)
+            (Cell(scene.label, method.label, size, ssaa, effect, *settings, one, view), error)
             for scene in chosen_scenes
+            for view in cameras
             for one in shadings
             for method, axis in _expand_effects(catalog, scene, chosen_methods, effects, timeout)
             for effect in axis
@@ -191,7 +201,8 @@ def plan_matrix(
         ]
     return Matrix(
         tuple(cell for cell, _ in pairs), chosen, Path(out), seed, tuple(catalog.places.folders),
-        _foreign_folders(chosen_methods, catalog), tuple(catalog.names("method")),
+        _foreign_folders(chosen_methods, catalog), catalog.places.scene_files,
+        tuple(catalog.names("method")),
         {cell: error for cell, error in pairs if error}, force, timeout, workers,
         limit,
     )  # fmt: skip

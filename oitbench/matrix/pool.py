@@ -23,6 +23,8 @@ class WorkerProcess(Process):
         All collection folders.
     methods : sequence of Path
         Folders of further methods.
+    scenes : sequence of Path
+        Files that are scenes.
     folder : Path
         The results folder.
     memory_limit : int
@@ -33,12 +35,14 @@ class WorkerProcess(Process):
         self,
         collections: Sequence[Path],
         methods: Sequence[Path],
+        scenes: Sequence[Path],
         folder: Path,
         memory_limit: int,
     ) -> None:
         settings = Settings(
             [os.fsencode(path) for path in collections],
             [os.fsencode(path) for path in methods],
+            [os.fsencode(path) for path in scenes],
             os.fsencode(folder),
         )
         super().__init__("oitbench.matrix.worker", settings, Reply, memory_limit, Hello())
@@ -46,12 +50,14 @@ class WorkerProcess(Process):
 
 @contextmanager
 def lone_worker(
-    collections: Iterable[Path | str], memory_gib: float | None
+    scene: str, collections: Iterable[Path | str], memory_gib: float | None
 ) -> Iterator[tuple[Process, Path]]:
     """Yield a worker process for a single request, and an empty folder for its answer.
 
     Parameters
     ----------
+    scene : str
+        The scene of the request, `NAME[param=v]` or `FILE[param=v]`; a file is checked.
     collections : iterable of path
         Folders of further collections.
     memory_gib : float, optional
@@ -59,8 +65,9 @@ def lone_worker(
     """
     with Catalog(collections) as catalog:
         folders = catalog.places.folders
+        files = catalog.check_files([scene])
     limit = memory.limit(memory_gib, 1)
     with tempfile.TemporaryDirectory(prefix="oitbench-") as name:
         folder = Path(name)
-        with WorkerProcess(folders, (), folder, limit) as worker:
+        with WorkerProcess(folders, (), files, folder, limit) as worker:
             yield worker, folder

@@ -82,7 +82,7 @@ def describe(redone: dict[Cell, str]) -> Iterator[str]:
     groups: dict[tuple[str, str], list[str]] = {}
     for cell, reason in redone.items():
         if reason:
-            groups.setdefault((cell.scene, reason), []).append(cell.method)
+            groups.setdefault((cell.seen, reason), []).append(cell.method)
     for (scene, reason), methods in groups.items():
         yield f"redone: {scene} {', '.join(dict.fromkeys(methods))}: {reason}"
 

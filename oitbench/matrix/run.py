@@ -135,7 +135,13 @@ def run_matrix(
     start = time.perf_counter()
     summary = Summary()
     pool = [
-        WorkerProcess(matrix.collections, matrix.method_folders, matrix.out, matrix.memory_limit)
+        WorkerProcess(
+            matrix.collections,
+            matrix.method_folders,
+            matrix.scene_files,
+            matrix.out,
+            matrix.memory_limit,
+        )
         for _ in range(matrix.workers)
     ]
     with Store.open(matrix.out) as store:
@@ -205,4 +211,4 @@ def _time_all(
         for record in time_scene(scene, ask):
             store.append(record)
             if record.time is not None and record.time.block.disturbed:
-                summary.disturbed[record.scene] = record.time.block.foreign or 0.0
+                summary.disturbed[record.seen] = record.time.block.foreign or 0.0

@@ -75,7 +75,7 @@ class Exact:
 
 @dataclass
 class Stage:
-    """What the cells of one scene and size share; each truth is made when it is first asked for.
+    """What the cells of one view and size share; each truth is made when it is first asked for.
 
     Parameters
     ----------
@@ -85,9 +85,10 @@ class Stage:
         Width and height of the image in pixels.
     ssaa : int
         Side of the sub-pixel grid.
-    shading : str
-        See `Cell.shading`.
+    shading, view : str
+        See `Cell`.
     uploaded : UploadedScene
+        For frames with sub-pixels.
     method : Method
         Exact compositing.
     store : Store
@@ -102,17 +103,35 @@ class Stage:
     size: tuple[int, int]
     ssaa: int
     shading: str
+    view: str
     uploaded: UploadedScene
     method: Method
     store: Store
     disagreements: dict[Effect, str] = field(default_factory=dict, init=False)
+    _coarse: UploadedScene | None = field(default=None, init=False)
     _exact: dict[Effect, Exact] = field(default_factory=dict, init=False)
     _traced: dict[str, Truth | OitbenchError] = field(default_factory=dict, init=False)
 
     @property
-    def identity(self) -> tuple[str, tuple[int, int], int, str]:
+    def identity(self) -> tuple[str, tuple[int, int], int, str, str]:
         """The fields of a cell that have the same stage."""
-        return self.label, self.size, self.ssaa, self.shading
+        return self.label, self.size, self.ssaa, self.shading, self.view
+
+    @property
+    def coarse(self) -> UploadedScene:
+        """The scene for frames without sub-pixels."""
+        if self.ssaa == 1 or not self.scene.by_pixel:
+            return self.uploaded
+        if self._coarse is None:
+            fine = self.uploaded
+            self._coarse = UploadedScene(fine.device, fine.scene, fine.settings, self.size[1])
+        return self._coarse
+
+    def release(self) -> None:
+        """Free the scene on the device."""
+        self.uploaded.release()
+        if self._coarse is not None:
+            self._coarse.release()
 
     @property
     def scene(self) -> Scene:
@@ -162,7 +181,7 @@ class Stage:
         from oitbench.path_traced.references.lookup import find_or_render
         from oitbench.path_traced.references.wanted import Wanted
 
-        wanted = Wanted(self.scene, self.label, self.size, self.ssaa, kind, chosen)
+        wanted = Wanted(self.scene, self.label, self.size, self.ssaa, kind, chosen, self.view)
         if wanted.key not in self._traced:
             try:
                 self._traced[wanted.key] = self._truth(

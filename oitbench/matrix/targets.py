@@ -16,6 +16,7 @@ from oitbench.matrix.pool import lone_worker
 from oitbench.matrix.worker import ALL, LIST, DrawTargets, TargetFacts, TargetsDrawn
 from oitbench.method.ablation import REQUESTED
 from oitbench.shading import read_shading
+from oitbench.views import MAIN
 from oitbench.workers.messages import Step
 
 __all__ = ["ALL", "LIST", "DrawnTarget", "TargetFacts", "draw"]
@@ -53,6 +54,7 @@ def draw(
     timeout: float | None = CELL_SECONDS,
     memory_gib: float | None = None,
     shading: Sequence[str] = (),
+    view: str = MAIN,
 ) -> list[DrawnTarget]:
     """Render a frame of `scene` with `method` in a process of its own, and return its targets.
 
@@ -63,7 +65,7 @@ def draw(
     names : sequence of str
         Names of targets and views (see `oitbench.gl.frame_targets`), or only `ALL`: all that can
         be read, or only `LIST`: the facts of all, with no values.
-    size, ssaa, effects, collections, timeout, memory_gib, shading
+    size, ssaa, effects, collections, timeout, memory_gib, shading, view
         As for `oitbench.matrix.picture.render`. Texels are those of sub-pixels.
 
     Raises
@@ -72,10 +74,10 @@ def draw(
         Something is unknown, out of range, or not available on this machine, or the process ended.
     """
     settings = read_shading(",".join(shading)).label
-    with lone_worker(collections, memory_gib) as (worker, folder):
+    with lone_worker(scene, collections, memory_gib) as (worker, folder):
         file = folder / "targets.npz"
         request = DrawTargets(
-            scene, method, size, ssaa, effects, list(names), os.fsencode(file), settings
+            scene, method, size, ssaa, effects, list(names), os.fsencode(file), settings, view
         )
         drawn = worker.ask(request, TargetsDrawn, timeout, _DRAWING)
         if not file.exists():

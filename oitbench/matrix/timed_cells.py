@@ -64,7 +64,8 @@ def time_cells(
             name, shading = str(scored.cell.key), scored.cell.shading
             try:
                 if shading not in uploaded:
-                    opened = UploadedScene(device, scene, scored.cell.settings)
+                    rows = scored.cell.size[1]
+                    opened = UploadedScene(device, scene, scored.cell.settings, rows)
                     uploaded[shading] = stack.enter_context(opened)
                 frame = stack.enter_context(_frame(uploaded[shading], collection, scored.cell))
                 frame.render()

@@ -22,7 +22,7 @@ _NOT_TIMED = "not timed: "
 def due_scenes(
     pairs: Sequence[Pair], fresh: Collection[Cell], cpu: Processor | None, schedule: Schedule
 ) -> list[list[Pair]]:
-    """Return the finished cells of each scene and size that has to be timed, as one list each.
+    """Return the finished cells of each view and size that has to be timed, as one list each.
 
     Cells are timed together, so one of them is enough: it is fresh, has no time, or was timed on
     another processor or in another number of rounds.
@@ -30,7 +30,7 @@ def due_scenes(
     scenes: dict[tuple[str, tuple[int, int]], list[Pair]] = {}
     for cell, record in pairs:
         if record.finished:
-            scenes.setdefault((cell.scene, cell.size), []).append((cell, record))
+            scenes.setdefault((cell.seen, cell.size), []).append((cell, record))
     return [
         group
         for group in scenes.values()

@@ -26,6 +26,7 @@ from oitbench.places import Places
 from oitbench.plugins import Collection
 from oitbench.results.schema import Fingerprints, Record, Renderer
 from oitbench.shading import read_shading
+from oitbench.views import MAIN
 from oitbench.workers.serve import OnStep, serve
 
 LIST, ALL = "list", "all"
@@ -33,10 +34,11 @@ LIST, ALL = "list", "all"
 
 
 class Settings(Struct, frozen=True):
-    """All collection folders, the folders of further methods, and the results folder."""
+    """Collections, folders of further methods, files that are scenes, and the results folder."""
 
     collections: list[bytes]
     methods: list[bytes]
+    scenes: list[bytes]
     folder: bytes
 
 
@@ -75,6 +77,7 @@ class DrawPicture(Struct, frozen=True, tag=True):
     effects: str
     file: bytes
     shading: str = ""
+    view: str = MAIN
 
 
 class DrawTargets(Struct, frozen=True, tag=True):
@@ -88,6 +91,7 @@ class DrawTargets(Struct, frozen=True, tag=True):
     names: list[str]
     file: bytes
     shading: str = ""
+    view: str = MAIN
 
 
 class Greeting(Struct, frozen=True, tag=True):
@@ -146,7 +150,9 @@ Reply = Greeting | CellsIdentified | CellDone | CellsTimed | PictureDrawn | Targ
 
 
 def _begin(settings: Settings, on_step: OnStep) -> Callable[[Request], Reply]:
-    places = Places(map(_path, settings.collections), map(_path, settings.methods))
+    places = Places(
+        *(map(_path, p) for p in (settings.collections, settings.methods, settings.scenes))
+    )
     bench = Bench(Collection(places), _path(settings.folder), on_step)
 
     def answer(request: Request) -> Reply:
@@ -173,12 +179,12 @@ def _opened(bench: Bench, request: DrawPicture | DrawTargets) -> Iterator[tuple[
     chosen = bench.collection.expand_methods([request.method])
     if len(chosen) != 1:
         raise UsageError(f"'{request.method}' selects {len(chosen)} methods; name one")
-    scene = bench.collection.build_scene(request.scene)
+    scene = bench.collection.build_scene(request.scene).from_view(request.view)
     running = choose_effects(request.effects, scene.effects) & chosen[0].shows
     fine = (request.size[0] * request.ssaa, request.size[1] * request.ssaa)
     check_size(bench.device, fine)
     with (
-        UploadedScene(bench.device, scene, read_shading(request.shading)) as uploaded,
+        UploadedScene(bench.device, scene, read_shading(request.shading), fine[1]) as uploaded,
         Frame(uploaded, chosen[0], fine, running) as frame,
     ):
         yield frame, chosen[0]

@@ -64,6 +64,7 @@ def measure(
             raise UsageError(f"'{scene}' selects {len(scenes)} scenes; name one")
         settings = Settings(
             [os.fsencode(folder) for folder in catalog.places.folders],
+            [os.fsencode(path) for path in catalog.places.scene_files],
             {item.name: os.fsencode(catalog.path("method", item.name)) for item in chosen},
         )
     with (

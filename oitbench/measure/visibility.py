@@ -182,7 +182,7 @@ def measure(
     if not (0 <= pixel[0] < size[0] and 0 <= pixel[1] < size[1]):
         raise UsageError(f"pixel {place} lies outside a frame of {frame}")
     check_size(device, size)
-    with UploadedScene(device, described) as uploaded:
+    with UploadedScene(device, described, rows=size[1]) as uploaded:
         found = probe(uploaded, size, pixel)
     if not len(found.z):
         raise UsageError(

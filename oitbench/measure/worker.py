@@ -20,9 +20,10 @@ _BUILDING = Step("building the scene")
 
 
 class Settings(Struct, frozen=True):
-    """All collection folders, and the file of each method that is used, by its name."""
+    """All collections, files that are scenes, and the file of each method that is used, by name."""
 
     collections: list[bytes]
+    scenes: list[bytes]
     methods: dict[str, bytes]
 
 
@@ -41,7 +42,7 @@ class PixelMeasured(Struct, frozen=True, tag=True):
 
 
 def _begin(settings: Settings, on_step: OnStep) -> Callable[[MeasurePixel], PixelMeasured]:
-    places = Places(map(_path, settings.collections))
+    places = Places(map(_path, settings.collections), (), map(_path, settings.scenes))
     for name, path in settings.methods.items():
         places.methods.add(name, _path(path))
     collection = Collection(places)

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 
 import numpy as np
 import numpy.typing as npt
 
-from oitbench.modeling.mesh import quad
-from oitbench.modeling.placement import frames, random_directions, scatter
-from oitbench.scene import Camera, Floats, Material, Mesh, Texture, Vector
+from oitbench.modeling.placement import random_directions
+from oitbench.scene import Floats, Material, Sprites, Texture, Vector
 
 TEXTURE_SIDE = 128
 """Texels along a side of a particle's coverage."""
@@ -93,46 +91,15 @@ def sprites(
     random: np.random.Generator,
     centers: npt.ArrayLike,
     radii: npt.ArrayLike,
-    camera: Camera,
-    toward_light: Vector,
-) -> Mesh:
-    """Return squares, randomly turned in their planes, that face both `camera` and a light.
-
-    They are perpendicular to the vector halfway between the two directions, so that neither sees
-    them edge-on. Squares that face the camera alone would cast almost no shadow from above.
+    toward_light: Vector | None = None,
+) -> Sprites:
+    """Return squares that face the camera and a light, randomly turned in their planes.
 
     Parameters
     ----------
     random : Generator
-    centers : array, shape (k, 3)
-        World positions, meters.
-    radii : array, shape (k,), or float
-        Half the edge length of each square, meters.
-    camera : Camera
-    toward_light : Vector
-        Direction to the light; need not have unit length.
-
-    References
-    ----------
-    Ikits et al. 2004, "Volume rendering techniques" (GPU Gems 39): half-angle slicing.
+    centers, radii, toward_light
+        As in `Sprites`.
     """
-    middles = np.asarray(centers, dtype=np.float64)
-    size = np.broadcast_to(np.asarray(radii, dtype=np.float64), len(middles))[:, None]
-    turn = random.uniform(0, 2 * math.pi, len(middles))[:, None]
-    right, up = _facing(camera, toward_light)
-    rights = size * (np.cos(turn) * right + np.sin(turn) * up)
-    ups = size * (np.cos(turn) * up - np.sin(turn) * right)
-    return scatter(quad((0, 0, 0), (1, 0, 0), (0, 1, 0)), frames(middles, rights, ups))
-
-
-def _facing(camera: Camera, toward_light: Vector) -> Sequence[Floats]:
-    """Return two perpendicular unit vectors that span the plane halfway between the directions."""
-    light = np.asarray(toward_light, dtype=np.float64)
-    light = light / np.linalg.norm(light)
-    right, _, back = camera.axes
-    # Both sides of a square look the same, so a light behind the square may be mirrored.
-    half = back + light if back @ light >= 0 else back - light
-    up = np.cross(half, right)
-    up /= np.linalg.norm(up)
-    across = np.cross(up, half)
-    return across / np.linalg.norm(across), up
+    turns = random.uniform(0, 2 * math.pi, len(np.asarray(centers)))
+    return Sprites(centers, radii, turns, toward_light)

@@ -96,9 +96,8 @@ def scatter(template: Mesh, placements: Floats) -> Mesh:
     return Mesh.from_arrays(
         positions.reshape(-1, 3),
         (triangles[None] + starts).reshape(-1, 3),
-        uvs=None if template.uvs is None else np.tile(template.uvs, (count, 1)),
-        radiance=None if template.radiance is None else np.tile(template.radiance, (count, 1)),
-        normals=normals,
+        **{name: np.concatenate([values] * count) for name, values in template.vertices.items()}
+        | {"normals": normals},
     )
 
 
@@ -115,7 +114,7 @@ def merge(meshes: Sequence[Mesh]) -> Mesh:
     Raises
     ------
     ValueError
-        If only some of the meshes have uvs, normals or radiance.
+        If only some of the meshes have uvs, normals, radiance or another array of vertices.
     """
     starts = np.cumsum([0] + [len(mesh.positions) for mesh in meshes[:-1]])
     return Mesh.from_arrays(
@@ -126,9 +125,10 @@ def merge(meshes: Sequence[Mesh]) -> Mesh:
                 for mesh, start in zip(meshes, starts, strict=True)
             ]
         ),
-        uvs=_joined("uvs", [mesh.uvs for mesh in meshes]),
-        radiance=_joined("radiance", [mesh.radiance for mesh in meshes]),
-        normals=_joined("normals", [mesh.normals for mesh in meshes]),
+        **{
+            name: _joined(name, [mesh.vertices.get(name) for mesh in meshes])
+            for name in dict.fromkeys(name for mesh in meshes for name in mesh.vertices)
+        },
     )
 
 

@@ -100,7 +100,7 @@ def _incomplete(records: Sequence[Record]) -> dict[tuple[str, str], list[str]]:
     found: dict[tuple[str, str], list[str]] = {}
     for record in records:
         if record.missing_effects:
-            place = record.scene, effect_labels(record.missing_effects)
+            place = record.seen, effect_labels(record.missing_effects)
             methods = found.setdefault(place, [])
             if record.method not in methods:
                 methods.append(record.method)

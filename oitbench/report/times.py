@@ -52,5 +52,5 @@ def disturbed_scenes(records: Iterable[Record]) -> dict[str, float]:
     for record in records:
         if record.time is not None and record.time.block.disturbed:
             share = record.time.block.foreign or 0.0
-            shares[record.scene] = max(share, shares.get(record.scene, 0.0))
+            shares[record.seen] = max(share, shares.get(record.seen, 0.0))
     return shares

@@ -71,7 +71,7 @@ def label(record: Record) -> str:
     width, height = record.size
     settings = f"effects={record.effects} ssaa={record.ssaa}"
     settings += f" shading={record.shading}" if record.shading else ""
-    return f"{record.scene} {record.method} {width}x{height} {settings}"
+    return f"{record.seen} {record.method} {width}x{height} {settings}"
 
 
 def row(record: Record) -> Row:

@@ -47,7 +47,7 @@ class Ablation:
 
 @dataclass(frozen=True)
 class Panel:
-    """The cells that share an axis: one scene at one size with one set of effects.
+    """The cells that share an axis: one view of a scene at one size with one set of effects.
 
     A cell that leaves effects out of one of `cells` is one of `ablations`, and in no other panel.
     """
@@ -106,8 +106,8 @@ class Results:
 
     @property
     def scenes(self) -> tuple[str, ...]:
-        """Scene labels in order of first appearance."""
-        return tuple(dict.fromkeys(record.scene for record in self.records))
+        """Labels of scenes with their views, in order of first appearance."""
+        return tuple(dict.fromkeys(record.seen for record in self.records))
 
     @property
     def methods(self) -> tuple[str, ...]:
@@ -204,7 +204,7 @@ class Results:
 
 
 def _place(record: Record) -> _Place:
-    return record.scene, record.size, record.ssaa, record.effects, record.shading
+    return record.seen, record.size, record.ssaa, record.effects, record.shading
 
 
 def _by_method(record: Record) -> Any:

@@ -20,8 +20,9 @@ from oitbench.parameters import Value
 from oitbench.results.checksum import CHECKSUM
 from oitbench.results.times import Processor, Time
 from oitbench.truths import ranking_truth
+from oitbench.views import MAIN, seen
 
-VERSION: Final = 3
+VERSION: Final = 4
 """Version of the schema; a change of any field raises it."""
 SCHEMA_FILE = Path(__file__).with_name("record.schema.json")
 
@@ -183,6 +184,7 @@ class CellKey(_Typed, frozen=True):
     ssaa: int
     effects: str
     shading: str = ""
+    view: str = MAIN
 
 
 class Fingerprints(_Typed, frozen=True):
@@ -212,11 +214,12 @@ class Record(_Typed, frozen=True):
     """One cell of the matrix of scenes and methods.
 
     `scene` and `method` are labels with the parameters that differ from their defaults, and `name`
-    is the method's bare name. `size` is in pixels, `ssaa` the side of the sub-pixel grid of
-    accuracy images, `effects` the requested set of effects, `shading` the settings of shared
-    shading that differ from their defaults, and `permutations` the number of random orders of the
-    draws. `truths` were asked for. `seconds` is the wall-clock time of rendering and scoring. `gl`
-    and `fingerprints` are null if they were not known when the cell failed.
+    is the method's bare name. `view` names the scene's camera. `size` is in pixels, `ssaa` the side
+    of the sub-pixel grid of accuracy images, `effects` the requested set of effects, `shading` the
+    settings of shared shading that differ from their defaults, and `permutations` the number of
+    random orders of the draws. `truths` were asked for. `seconds` is the wall-clock time of
+    rendering and scoring. `gl` and `fingerprints` are null if they were not known when the cell
+    failed.
     """
 
     scene: str
@@ -236,7 +239,13 @@ class Record(_Typed, frozen=True):
     outcome: Outcome | None = None
     time: Time | None = None
     shading: str = ""
-    schema: Literal[3] = VERSION
+    view: str = MAIN
+    schema: Literal[4] = VERSION
+
+    @property
+    def seen(self) -> str:
+        """The label of the scene with its view, unless that is the main one."""
+        return seen(self.scene, self.view)
 
     @property
     def key(self) -> CellKey:
@@ -248,6 +257,7 @@ class Record(_Typed, frozen=True):
             ssaa=self.ssaa,
             effects=self.effects,
             shading=self.shading,
+            view=self.view,
         )
 
     @property
@@ -326,7 +336,7 @@ class RunFacts(_Typed, frozen=True):
     git: Commit | None = None
     date: str = ""
     wall: dict[str, float] = {}
-    schema: Literal[3] = VERSION
+    schema: Literal[4] = VERSION
 
     @property
     def renderer(self) -> str:

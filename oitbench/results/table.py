@@ -20,7 +20,8 @@ def flat(record: Record) -> dict[str, Any]:
     """Return a cell as one row; numbers that do not exist are None."""
     outcome = record.outcome
     row: dict[str, Any] = {
-        "scene": record.scene,
+        "scene": record.seen,
+        "view": record.view,
         "method": record.method,
         "name": record.name,
         "width": record.size[0],

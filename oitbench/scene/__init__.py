@@ -9,7 +9,9 @@ module     holds
 ========== =================================================================
 model      `Scene`, and the effects that a scene requests
 objects    `Mesh`, `Object`, `FragmentLists`
+view_meshes `Sprites` and `Strands`: meshes that face the camera
 camera     `Camera`
+paths      stereo pairs and moving cameras: `stereo`, `orbit`, `between`
 coincidence surfaces that lie in one plane
 material   `Material` and `Texture`: how surfaces cover, transmit and reflect
 lights     directional, spot and environment lights
@@ -18,6 +20,7 @@ medium     `Medium`: fog
 vectors    types of vectors, colors and arrays, and vector algebra
 checks     validation of values
 texturing  the texture filter that both renderers share
+solids     lengths inside of closed meshes
 ========== =================================================================
 """
 
@@ -29,7 +32,7 @@ from oitbench.scene.lights import (
     Light,
     SpotLight,
 )
-from oitbench.scene.material import LEAST_LOBE, Material, Texture
+from oitbench.scene.material import LEAST_LOBE, Material, Texture, Wrap
 from oitbench.scene.medium import Medium, sample_density
 from oitbench.scene.model import Scene
 from oitbench.scene.objects import FragmentLists, Mesh, Object
@@ -45,6 +48,7 @@ from oitbench.scene.vectors import (
     opposite,
     unit,
 )
+from oitbench.scene.view_meshes import Sprites, Strands, ViewMesh
 
 __all__ = [
     "BLACK",
@@ -65,8 +69,12 @@ __all__ = [
     "Object",
     "Scene",
     "SpotLight",
+    "Sprites",
+    "Strands",
     "Texture",
     "Vector",
+    "ViewMesh",
+    "Wrap",
     "as_vector",
     "axes_along",
     "opposite",

@@ -1,4 +1,4 @@
-"""The camera, and its view of points in the world."""
+"""Cameras, and their views of points in the world."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _NEAR_Z = 0.9
 
 @dataclass(frozen=True)
 class Camera:
-    """A pinhole camera. Lengths are in the scene's unit.
+    """A pinhole camera, or an orthographic one. Lengths are in the scene's unit.
 
     Parameters
     ----------
@@ -31,15 +31,20 @@ class Camera:
         straight up, it is as if the camera had turned there from looking along −z (along y, if `up`
         lies near z): straight down, −z points up in the image.
     fov_y : float
-        Full vertical opening angle, radians.
+        Full vertical opening angle, radians; unused if there is a `height`.
     near, far : float
-        Clip distances. With the default, an infinite far plane, window depth is d = 1 − near/z.
+        Clip distances. With the default, an infinite far plane, window depth is d = 1 − near/z. It
+        is d = (z − near)/(far − near) if the camera is orthographic; an infinite far plane then
+        counts as one just behind the scene.
+    height : float, optional
+        Full height of the picture of an orthographic camera, whose rays are parallel. Default: the
+        camera is a pinhole.
 
     Raises
     ------
     SceneError
-        If a value is not finite, `target` equals `position`, `up` has no length, or an angle or
-        distance is out of range.
+        If a value is not finite, `target` equals `position`, `up` has no length, or an angle, a
+        distance or the height is out of range.
     """
 
     position: Vector
@@ -48,11 +53,14 @@ class Camera:
     fov_y: float = math.radians(45)
     near: float = 0.1
     far: float = math.inf
+    height: float | None = None
 
     def __post_init__(self) -> None:
         require_finite("camera", position=self.position, target=self.target, up=self.up)
         require(0 < self.fov_y < math.pi, "camera: fov_y must lie between 0 and π radians")
         require(0 < self.near < self.far, "camera: near must be above 0 and below far")
+        if self.height is not None:
+            require(0 < self.height < math.inf, "camera: height must be a length above 0")
         require(any(self._back), "camera: position and target coincide; move one")
         require(any(self.up), "camera: up has no length; give a nonzero vector")
 
@@ -77,7 +85,32 @@ class Camera:
             target=relocated(self.target, origin, scale),
             near=self.near * scale,
             far=self.far * scale,
+            height=None if self.height is None else self.height * scale,
         )
+
+    @property
+    def orthographic(self) -> bool:
+        """Whether all rays are parallel to the view axis."""
+        return self.height is not None
+
+    @property
+    def span(self) -> float:
+        """Full height of the picture at a distance of one; at any distance, if orthographic."""
+        return 2 * math.tan(self.fov_y / 2) if self.height is None else self.height
+
+    def pixel_size(self, points: npt.ArrayLike, pixel_height: int) -> Floats:
+        """Return the side of a pixel at `points`, shape (...), in a picture of `pixel_height`.
+
+        Parameters
+        ----------
+        points : array, shape (..., 3)
+            In front of the camera.
+        pixel_height : int
+            Height of the picture in pixels.
+        """
+        distance = self.view_distance(points)
+        shown = np.ones_like(distance) if self.orthographic else np.maximum(distance, self.near)
+        return np.asarray(shown * (self.span / pixel_height))
 
     def view_distance(self, points: npt.ArrayLike) -> Floats:
         """Return the distance of `points`, shape (..., 3), along the view axis."""

@@ -8,12 +8,14 @@ they are declared by `Object.decal_of`.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 
+from oitbench.scene.camera import Camera
 from oitbench.scene.objects import Object
 from oitbench.scene.vectors import Floats
 
@@ -33,7 +35,8 @@ class Coincidence:
     ----------
     planes : dict of str to array, shape (m, 3), float64
         By the name of an object, the dual point q of each triangle's plane, which contains the
-        points x with q·x = 1; 0 for a triangle that coincides with nothing.
+        points x with q·x = 1, relative to `origin_of_planes`; 0 for a triangle that coincides with
+        nothing.
     pair : (str, str)
         Two of the objects that coincide.
     """
@@ -42,16 +45,33 @@ class Coincidence:
     pair: tuple[str, str]
 
 
-def find_coincidence(objects: Sequence[Object]) -> Coincidence | None:
-    """Return where `objects`, seen from the origin, coincide; None for nowhere.
+def origin_of_planes(camera: Camera) -> Floats:
+    """Return a point that is in no plane which `camera` sees other than edge on, shape (3,).
 
-    Planes through the origin are left out: they are seen edge on.
+    Behind an orthographic camera, by a distance at which there is a plane by a rare chance only.
     """
-    corners = [item.mesh.positions[item.mesh.triangles] for item in objects]
+    eye = np.asarray(camera.position, dtype=np.float64)
+    if not camera.orthographic:
+        return eye
+    return np.asarray(eye + 0.7321 * math.dist(camera.position, camera.target) * camera.axes[2])
+
+
+def find_coincidence(
+    objects: Sequence[Object], origin: npt.ArrayLike = (0.0, 0.0, 0.0)
+) -> Coincidence | None:
+    """Return where `objects` coincide; None for nowhere.
+
+    Parameters
+    ----------
+    objects : sequence of Object
+    origin : array, shape (3,)
+        Planes through it are left out; see `origin_of_planes`.
+    """
+    corners = [item.mesh.positions[item.mesh.triangles] - np.asarray(origin) for item in objects]
     starts = np.cumsum([0, *map(len, corners)])
     triangles = np.concatenate(corners) if corners else np.zeros((0, 3, 3))
     owners = np.repeat(np.arange(len(objects)), np.diff(starts))
-    clear = np.array([not item.material.opaque for item in objects], dtype=bool)
+    clear = np.array([not item.opaque for item in objects], dtype=bool)
     duals = _dual_points(triangles)
     kept = np.zeros(len(triangles), dtype=bool)
     pair = _declared(objects, duals, triangles, owners, kept)

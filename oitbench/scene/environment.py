@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterable, Sequence
 
 import numpy as np
 
-from oitbench.scene.material import Material
+from oitbench.scene.material import Material, Texture
 from oitbench.scene.model import Scene
 from oitbench.scene.vectors import Floats
 
@@ -21,6 +21,8 @@ NODES = 65
 """Rows of a table of means, from straight up to straight down."""
 INCIDENCES = 64
 """Nodes of the table of `lobe_fit`, from grazing to normal incidence."""
+GRADES = 8
+"""Steps of roughness between which a texture of roughness is interpolated."""
 _SAMPLES = 4096
 _STEPS = 0.7548776662466927, 0.5698402909980532
 """Steps of the R₂ sequence, which covers the unit square evenly (Roberts 2018)."""
@@ -59,11 +61,20 @@ def weighted_means(texels: Floats, weight: Callable[[Floats], Floats]) -> Floats
         Rows run from straight up to straight down, both included. Columns begin straight ahead (−z)
         and run to the right.
     """
-    nodes = NODES, 2 * (NODES - 1), 3
+    return np.asarray(tables_of_means(texels, [weight])[0])
+
+
+def tables_of_means(texels: Floats, weights: Iterable[Callable[[Floats], Floats]]) -> Floats:
+    """Return the tables of `weighted_means` for several weights, shape (number, …)."""
     if (texels == texels[0, 0]).all():
-        return np.asarray(np.broadcast_to(texels[0, 0], nodes))
-    flux, (polar, longitude) = _flux(texels), _middles(PATCHES)
-    columns = 2 * PATCHES
+        nodes = NODES, 2 * (NODES - 1), 3
+        return np.asarray([np.broadcast_to(texels[0, 0], nodes) for _ in weights])
+    flux = _flux(texels)
+    return np.asarray(np.stack([_table_of_means(flux, weight) for weight in weights]))
+
+
+def _table_of_means(flux: Floats, weight: Callable[[Floats], Floats]) -> Floats:
+    (polar, longitude), columns = _middles(PATCHES), 2 * PATCHES
     top = np.linspace(0, math.pi, NODES)
     # Rotation about the vertical axis: the sum over longitudes is a circular convolution.
     turn = np.arange(columns) / columns * 2 * math.pi - longitude[0]
@@ -74,7 +85,7 @@ def weighted_means(texels: Floats, weight: Callable[[Floats], Floats]) -> Floats
         level = np.cos(angle) * np.cos(polar)[:, None]
         kernel = weight(level + np.sin(angle) * np.sin(polar)[:, None] * np.cos(turn))
         product = (np.fft.rfft(kernel, axis=1)[..., None] * spectrum).sum(axis=0)
-        found = np.fft.irfft(product, columns, axis=0)[:: columns // nodes[1]]
+        found = np.fft.irfft(product, columns, axis=0)[:: columns // (2 * (NODES - 1))]
         rows.append(found / (kernel * area[:, None]).sum())
     return np.asarray(np.maximum(np.stack(rows), 0))
 
@@ -131,17 +142,32 @@ def lobe_fit(roughness: float) -> Floats:
 
 
 def rough_lobes(materials: Iterable[Material]) -> tuple[float, ...]:
-    """Return the distinct roughness of all surfaces that mirror light roughly, in order."""
-    return tuple(sorted({one.roughness for one in materials if _mirrors_roughly(one)}))
+    """Return the roughness of all lobes that a scene needs.
+
+    First come the distinct constants, in order. If any material has a texture of roughness, the
+    `GRADES` steps between which it is interpolated follow.
+    """
+    values = [one.roughness for one in materials if _mirrors_roughly(one)]
+    graded = any(isinstance(value, Texture) for value in values)
+    steps = [(k + 1) / GRADES for k in range(GRADES)] if graded else []
+    return (*sorted({value for value in values if not isinstance(value, Texture)}), *steps)
 
 
 def lobe_number(material: Material, lobes: Sequence[float]) -> int:
-    """Return the place of a material's lobe in `rough_lobes`, from 1; 0 if it has none."""
-    return 1 + lobes.index(material.roughness) if _mirrors_roughly(material) else 0
+    """Return the place of a material's lobe in `rough_lobes`, from 1; 0 if it has none.
+
+    A texture of roughness has that of the first step, negated.
+    """
+    if not _mirrors_roughly(material):
+        return 0
+    if isinstance(material.roughness, Texture):
+        return GRADES - len(lobes) - 1
+    return 1 + lobes.index(material.roughness)
 
 
 def _mirrors_roughly(material: Material) -> bool:
-    return material.roughness > 0 and material.reflectance > 0 and not material.isotropic
+    rough = isinstance(material.roughness, Texture) or material.roughness > 0
+    return rough and material.reflectance > 0 and not material.isotropic
 
 
 def _visible_normals(a: float, v: Floats, points: Floats) -> Floats:

@@ -7,6 +7,7 @@ in `oitbench/path_traced`. If it is a new effect, `model._requested_effects` mus
 from __future__ import annotations
 
 from dataclasses import dataclass
+from enum import Enum
 
 import numpy as np
 
@@ -18,37 +19,53 @@ LEAST_LOBE = 0.1
 mirror. Half of the lobe's peak is reached 0.7° from its middle: beams look like lamps as wide."""
 
 
+TEXTURED = ("emission", "coverage", "albedo", "transmission", "roughness")
+"""Fields of a material that may be textures."""
+
+
+class Wrap(str, Enum):
+    """How a texture continues beyond [0, 1] of a texture coordinate."""
+
+    CLAMP = "clamp"
+    """Its edge goes on."""
+    REPEAT = "repeat"
+    """It begins anew."""
+    MIRROR = "mirror"
+    """It begins anew, every second time mirrored."""
+
+
 @dataclass(frozen=True, eq=False)
 class Texture:
-    """An image over texture coordinates uv ∈ [0, 1]², clamped at its edges.
+    """An image over the texture coordinates uv ∈ [0, 1]².
 
     Parameters
     ----------
     texels : array, shape (h, w) or (h, w, 3), float32
-        One channel for coverage or gray radiance, three for colored radiance. The first row is at
-        v = 1 (top). Both sides must be powers of two, so that every mip level halves exactly.
+        One channel for coverage, roughness or gray light, three for colors. The first row is at
+        v = 1 (top). Any size will do.
+    wrap : (Wrap, Wrap)
+        How it continues to the sides (u), and up and down (v).
 
     Raises
     ------
     SceneError
-        If `texels` has a wrong shape, a side that is not a power of two, or a value that is not
-        finite.
+        If `texels` has a wrong shape, no texel, or a value that is not finite.
     """
 
     texels: Array
+    wrap: tuple[Wrap, Wrap] = (Wrap.CLAMP, Wrap.CLAMP)
 
     def __post_init__(self) -> None:
         shape = self.texels.shape
         require(
             len(shape) == 2 or (len(shape) == 3 and shape[2] == 3),
-            f"texture: texels are {shape}; give (h, w) for coverage or (h, w, 3) for radiance",
+            f"texture: texels are {shape}; give (h, w) for one channel or (h, w, 3) for colors",
         )
-        for side in shape[:2]:
-            require(
-                side > 0 and side & (side - 1) == 0,
-                f"texture: a side has {side} texels; give a power of two",
-            )
+        require(self.texels.size > 0, f"texture: texels are {shape}; give one texel or more")
         require_finite("texture", texels=self.texels)
+        known = [isinstance(wrap, Wrap) for wrap in self.wrap]
+        names = ", ".join(map(str, Wrap.__members__))
+        require(known == [True, True], f"texture: wrap is {self.wrap}; give two Wrap of {names}")
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,17 +80,17 @@ class Material:
     ----------
     coverage : float or Texture
         Fraction α of the surface that is covered, in [0, 1]. Light passes the rest unchanged.
-    transmission : RGB
+    transmission : RGB or Texture
         Fraction T of the light that passes the covered part at normal incidence if nothing is
         reflected, per channel in [0, 1].
     emission : RGB or Texture
         Radiance L that leaves the covered part, W·sr⁻¹·m⁻² on the scene's arbitrary scale.
-    albedo : RGB
+    albedo : RGB or Texture
         Diffuse reflectance under the scene's lights, on the visible side, per channel in [0, 1].
     specular : float, optional
         Reflectance F₀ of the microfacet lobe at normal incidence, in [0, 1]. Default: that of the
         refractive index, ((N − 1)/(N + 1))².
-    roughness : float
+    roughness : float or Texture
         Roughness of the microfacet lobe, in [0, 1]: the square root of GGX's α. At 0 the surface is
         a mirror. Directional and spot lights are reflected with `LEAST_LOBE` or more.
     index : float
@@ -88,41 +105,75 @@ class Material:
         (albedo / 4π) instead of by Lambert's law.
     binary_coverage : bool
         True for foliage whose unfiltered coverage is 0 or 1 and that transmits nothing.
+    cutoff : float, optional
+        In (0, 1]: filtered coverage below it counts as 0, and as 1 from there on. Default: coverage
+        counts as it is.
+    culled : bool
+        True for surfaces without a back: seen from there, nothing is drawn, and all light passes.
 
     Raises
     ------
     SceneError
-        If a value is not finite or out of range.
+        If a value is not finite or out of range, textures do not go with that of coverage, or a
+        refracting solid varies or has holes.
     """
 
     coverage: float | Texture = 1.0
-    transmission: RGB = BLACK
+    transmission: RGB | Texture = BLACK
     emission: RGB | Texture = BLACK
-    albedo: RGB = BLACK
+    albedo: RGB | Texture = BLACK
     specular: float | None = None
-    roughness: float = 1.0
+    roughness: float | Texture = 1.0
     index: float = 1.0
     collimation: float = 1.0
     solid: bool = False
     isotropic: bool = False
     binary_coverage: bool = False
+    cutoff: float | None = None
+    culled: bool = False
 
     def __post_init__(self) -> None:
-        coverage = self.coverage.texels if isinstance(self.coverage, Texture) else self.coverage
-        emission = self.emission.texels if isinstance(self.emission, Texture) else self.emission
-        require_light("material", emission=emission)
+        values = {
+            name: value.texels if isinstance(value, Texture) else value
+            for name in TEXTURED
+            for value in [getattr(self, name)]
+        }
+        require_light("material", emission=values.pop("emission"))
         require_finite("material", index=self.index)
         require_fractions(
-            "material", coverage=coverage, transmission=self.transmission, albedo=self.albedo,
-            specular=self.reflectance, roughness=self.roughness, collimation=self.collimation,
+            "material", **values, specular=self.reflectance, collimation=self.collimation,
+            cutoff=1.0 if self.cutoff is None else self.cutoff,
         )  # fmt: skip
-        require(np.ndim(coverage) in (0, 2), "material: coverage has colors; give texels (h, w)")
+        for name in ("coverage", "roughness"):
+            gray = np.ndim(values[name]) in (0, 2)
+            require(gray, f"material: {name} has colors; give texels (h, w)")
         require(self.index >= 1, f"material: index is {self.index}; it must be at least 1 (vacuum)")
+        require(self.cutoff != 0, "material: cutoff is 0, which all coverage reaches; leave it out")
+        if isinstance(self.coverage, Texture):
+            for name in TEXTURED:
+                other = getattr(self, name)
+                alike = not isinstance(other, Texture) or other.wrap == self.coverage.wrap
+                require(alike, f"material: coverage and {name} wrap differently; let them agree")
+        if self.refracts and not self.opaque:
+            whole = self.cutoff is None and not self.culled
+            require(whole, "material: a refracting solid has cutoff or culled; leave them out")
+            even = not any(isinstance(one, Texture) for one in (self.albedo, self.transmission))
+            require(even, "material: a refracting solid is even; give one albedo and transmission")
 
     @property
     def opaque(self) -> bool:
-        """Whether no light passes: coverage is the number one, not a texture, and T is zero."""
-        return self.coverage == 1.0 and self.transmission == BLACK
+        """Whether no light passes the surface where it is.
+
+        T is the number zero, and coverage is the number one, or has a cutoff: through the holes of
+        such a surface light passes beside it.
+        """
+        covers = self.cutoff is not None or self.coverage == 1.0
+        return covers and self.transmission == BLACK
+
+    @property
+    def diffuse(self) -> bool:
+        """Whether it may reflect light diffusely."""
+        return isinstance(self.albedo, Texture) or any(self.albedo)
 
     @property
     def reflectance(self) -> float:
@@ -133,13 +184,22 @@ class Material:
 
     @property
     def tints(self) -> bool:
-        """Whether the transmitted fraction differs between channels."""
-        red, green, blue = (
-            t * (1 - k) for t, k in zip(self.transmission, self.albedo, strict=True)
-        )
+        """Whether the transmitted fraction may differ between channels."""
+        transmission, albedo = self.transmission, self.albedo
+        if transmission == BLACK:
+            return False
+        if isinstance(transmission, Texture) or isinstance(albedo, Texture):
+            return not (_is_gray(transmission) and _is_gray(albedo))
+        red, green, blue = (t * (1 - k) for t, k in zip(transmission, albedo, strict=True))
         return not red == green == blue
 
     @property
     def refracts(self) -> bool:
         """Whether transmitted light changes its direction, as at the boundary of a solid."""
         return self.solid and self.index != 1
+
+
+def _is_gray(value: RGB | Texture) -> bool:
+    texels = value.texels if isinstance(value, Texture) else np.asarray(value)
+    colored = not isinstance(value, Texture) or texels.ndim == 3
+    return not colored or bool((texels == texels[..., :1]).all())

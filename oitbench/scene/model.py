@@ -4,17 +4,22 @@ from __future__ import annotations
 
 import math
 from collections import Counter
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 from oitbench.effects import Effect
+from oitbench.errors import unknown
 from oitbench.scene.camera import Camera
 from oitbench.scene.checks import require, require_light
-from oitbench.scene.coincidence import Coincidence, find_coincidence
+from oitbench.scene.coincidence import Coincidence, find_coincidence, origin_of_planes
 from oitbench.scene.lights import DirectionalLight, EnvironmentLight, Light, SpotLight
 from oitbench.scene.medium import Medium
 from oitbench.scene.objects import FragmentLists, Object
+from oitbench.scene.paths import stereo
 from oitbench.scene.vectors import BLACK, RGB, Vector
+from oitbench.scene.view_meshes import ViewMesh
+from oitbench.views import EYES, MAIN, is_name
 
 FAR = 100
 """Distance of the camera from the origin beside that to its target; see `Scene.near_origin`."""
@@ -52,6 +57,10 @@ class Scene:
         Length of the scene's unit in meters: 0.001 if it is written in millimeters. It applies to
         all lengths of camera, meshes, lights, medium and `ambient_occlusion`, and to the medium's
         extinction (an inverse length). Radiance, irradiance and intensity do not depend on it.
+    views : mapping of str to Camera
+        Further cameras by name; see `from_view`. Names have small letters, digits and underscores.
+    path : tuple of Camera
+        The frames of a moving camera.
     full_samples : int
         Samples for each sub-pixel of a full reference of 256 × 256, 1 or more: enough for a noise
         floor of 0.02. Default: 0, a number that suits the scene's materials and medium.
@@ -79,6 +88,8 @@ class Scene:
     ambient_occlusion: float = 0.0
     meters_per_unit: float = 1.0
     full_samples: int = 0
+    views: Mapping[str, Camera] = field(default_factory=dict)
+    path: tuple[Camera, ...] = ()
     effects: Effect = field(init=False)
 
     def __post_init__(self) -> None:
@@ -110,11 +121,72 @@ class Scene:
             f"{owner}: meters_per_unit is {self.meters_per_unit}; give a length above 0",
         )
         require(self.full_samples >= 0, f"{owner}: full_samples is negative; give 1 or more")
+        for name in self.views:
+            usable = is_name(name) and name != MAIN
+            message = "use small letters, digits and underscores, and not main"
+            require(usable, f"{owner}: no view can be named '{name}'; {message}")
         if self.lists is not None:
+            require(not self.views, f"{owner}: fragment lists have one view; leave views out")
             near, far = self.camera.near, self.camera.far
             seen = bool(((self.lists.z > near) & (self.lists.z <= far)).all())
             require(seen, f"{owner}: z of its fragment lists must lie between {near} and {far}")
         object.__setattr__(self, "effects", _requested_effects(self))
+
+    @property
+    def view_names(self) -> tuple[str, ...]:
+        """The names of all views, the main one first."""
+        named = (MAIN, *self.views)
+        if self.lists is not None or self.camera.orthographic:
+            return named
+        return (*named, *(eye for eye in EYES if eye not in self.views))
+
+    def from_view(self, name: str) -> Scene:
+        """Return the scene as seen from one of its views.
+
+        Parameters
+        ----------
+        name : str
+            "main" for `camera`, a name of `views`, or, if `camera` is not orthographic, "left" and
+            "right" for its stereo pair (see `oitbench.scene.paths.stereo`).
+
+        Raises
+        ------
+        UsageError
+            If there is no such view.
+        """
+        if name == MAIN:
+            return self
+        if name not in self.view_names:
+            raise unknown(f"view of {self.name}", name, self.view_names)
+        if name in self.views:
+            return replace(self, camera=self.views[name])
+        return replace(self, camera=stereo(self.camera)[EYES.index(name)])
+
+    @property
+    def by_pixel(self) -> bool:
+        """Whether its meshes depend on the height of the picture in pixels."""
+        found = [item.mesh for item in self.objects]
+        return any(isinstance(mesh, ViewMesh) and mesh.by_pixel for mesh in found)
+
+    def resolved(self, pixel_height: int) -> Scene:
+        """Return the scene with all meshes that depend on the view as its camera sees them.
+
+        Parameters
+        ----------
+        pixel_height : int
+            Height of the picture in pixels, sub-pixels included.
+        """
+        if not any(isinstance(item.mesh, ViewMesh) for item in self.objects):
+            return self
+        return replace(
+            self,
+            objects=tuple(
+                replace(item, mesh=item.mesh.for_view(self.camera, pixel_height))
+                if isinstance(item.mesh, ViewMesh)
+                else item
+                for item in self.objects
+            ),
+        )
 
     def in_meters(self) -> Scene:
         """Return the same scene with all lengths in meters."""
@@ -142,6 +214,8 @@ class Scene:
         return replace(
             self,
             camera=self.camera.relocated(origin, scale),
+            views={name: camera.relocated(origin, scale) for name, camera in self.views.items()},
+            path=tuple(camera.relocated(origin, scale) for camera in self.path),
             objects=tuple(
                 replace(item, mesh=item.mesh.relocated(origin, scale)) for item in self.objects
             ),
@@ -158,17 +232,18 @@ class Scene:
     @cached_property
     def coincidence(self) -> Coincidence | None:
         """Where surfaces coincide, relative to the camera and in meters; None for nowhere."""
-        return find_coincidence(self.seen_from_camera().objects)
+        seen = self.seen_from_camera()
+        return find_coincidence(seen.objects, origin_of_planes(seen.camera))
 
     @property
     def opaque(self) -> tuple[Object, ...]:
         """Objects through which no light passes, in submission order."""
-        return tuple(item for item in self.objects if item.material.opaque)
+        return tuple(item for item in self.objects if item.opaque)
 
     @property
     def transparent(self) -> tuple[Object, ...]:
         """Objects through which light passes, in submission order."""
-        return tuple(item for item in self.objects if not item.material.opaque)
+        return tuple(item for item in self.objects if not item.opaque)
 
     @property
     def environment(self) -> EnvironmentLight | None:
@@ -184,7 +259,7 @@ class Scene:
 def _requested_effects(scene: Scene) -> Effect:
     """Return the effects that the materials, lights and medium of `scene` request."""
     transparent = [item.material for item in scene.transparent]
-    colored = any(m.tints for m in transparent)
+    colored = any(item.tints for item in scene.transparent)
     lists, medium = scene.lists, scene.medium
     if lists is not None:
         colored = colored or bool((lists.transmission != lists.transmission[..., :1]).any())

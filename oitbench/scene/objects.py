@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
 
 from oitbench.scene.checks import require, require_finite, require_fractions, require_light
-from oitbench.scene.material import Material, Texture
-from oitbench.scene.vectors import Array, Floats, Vector
+from oitbench.scene.material import TEXTURED, Material, Texture
+from oitbench.scene.vectors import BLACK, Array, Floats, Vector
 
 _NEAR_ONE = 0.02
 """Error of a normal's length that is allowed; normals of 8 bits are off by less."""
@@ -32,12 +32,16 @@ class Mesh:
         Factor on the material's emission at each vertex, for baked shading. Default: one.
     normals : array, shape (n, 3), float32, optional
         Unit normals. Default: flat shading.
+    albedo, transmission : array, shape (n, 3), float32, optional
+        Factors on the material's albedo and transmission at each vertex, in [0, 1]. Default: one.
+    coverage : array, shape (n,), float32, optional
+        Factor on the material's coverage at each vertex, in [0, 1]. Default: one.
 
     Raises
     ------
     SceneError
-        If an array has a wrong shape, a value is not finite, radiance is negative, a normal is not
-        of length one, there is no triangle, or an index is out of range.
+        If an array has a wrong shape, a value is not finite or out of range, a normal is not of
+        length one, there is no triangle, or an index is out of range.
     """
 
     positions: Floats
@@ -45,6 +49,9 @@ class Mesh:
     uvs: Array | None = None
     radiance: Array | None = None
     normals: Array | None = None
+    albedo: Array | None = None
+    transmission: Array | None = None
+    coverage: Array | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "positions", np.asarray(self.positions, dtype=np.float64))
@@ -58,13 +65,15 @@ class Mesh:
             ("uvs", self.uvs, 2),
             ("radiance", self.radiance, 3),
             ("normals", self.normals, 3),
+            ("albedo", self.albedo, 3),
+            ("transmission", self.transmission, 3),
+            ("coverage", self.coverage, 0),
         ):
-            require(
-                values is None or values.shape == (count, width),
-                f"mesh: {name} must be ({count}, {width})",
-            )
+            shape = (count, width) if width else (count,)
+            require(values is None or values.shape == shape, f"mesh: {name} must be {shape}")
         require_finite("mesh", positions=self.positions, uvs=self.uvs, normals=self.normals)
         require_light("mesh", radiance=self.radiance)
+        require_fractions("mesh", **self.factors)
         if self.normals is not None:
             lengths = np.linalg.norm(self.normals, axis=1)
             unit = bool((np.abs(lengths - 1) <= _NEAR_ONE).all())
@@ -75,25 +84,38 @@ class Mesh:
         cls,
         positions: npt.ArrayLike,
         triangles: npt.ArrayLike,
-        *,
-        uvs: npt.ArrayLike | None = None,
-        radiance: npt.ArrayLike | None = None,
-        normals: npt.ArrayLike | None = None,
+        **vertices: npt.ArrayLike | None,
     ) -> Mesh:
         """Return a mesh of arrays of any numeric type, rounded to the types that a mesh stores.
 
         Parameters
         ----------
-        positions, triangles, uvs, radiance, normals : array_like
+        positions, triangles : array_like
             As in `Mesh`.
+        **vertices : array_like, optional
+            The other arrays of `Mesh` by name.
         """
         return cls(
             np.asarray(positions, dtype=np.float64),
             np.asarray(triangles).astype(np.uint32),
-            None if uvs is None else np.asarray(uvs, dtype=np.float32),
-            None if radiance is None else np.asarray(radiance, dtype=np.float32),
-            None if normals is None else np.asarray(normals, dtype=np.float32),
+            **{
+                name: None if values is None else np.asarray(values, dtype=np.float32)
+                for name, values in vertices.items()
+            },
         )
+
+    @property
+    def factors(self) -> dict[str, Array]:
+        """The factors on properties of the material that vertices have, except on emission."""
+        named = ("albedo", "transmission", "coverage")
+        return {name: values for name, values in self.vertices.items() if name in named}
+
+    @property
+    def vertices(self) -> dict[str, Array]:
+        """All arrays of vertices that the mesh has beside positions, by name."""
+        names = {field.name for field in fields(Mesh)} - {"positions", "triangles"}
+        found = {name: getattr(self, name) for name in sorted(names)}
+        return {name: values for name, values in found.items() if values is not None}
 
     @cached_property
     def used_positions(self) -> Floats:
@@ -150,13 +172,33 @@ class Object:
 
     def __post_init__(self) -> None:
         require(self.decal_of != self.name, f"object {self.name}: it is a decal of itself")
-        textured = isinstance(self.material.coverage, Texture) or isinstance(
-            self.material.emission, Texture
-        )
+        material, mesh = self.material, self.mesh
+        textured = any(isinstance(getattr(material, name), Texture) for name in TEXTURED)
         require(
-            not textured or self.mesh.uvs is not None,
+            not textured or mesh.uvs is not None,
             f"object {self.name}: its material has a texture but its mesh has no uvs; add uvs",
         )
+        even = mesh.albedo is None and mesh.transmission is None
+        require(
+            even or not material.refracts or material.opaque,
+            f"object {self.name}: a refracting solid is even; leave albedo and transmission out of"
+            " its mesh",
+        )
+
+    @property
+    def opaque(self) -> bool:
+        """Whether no light passes the surface where it is; see `Material.opaque`."""
+        whole = self.mesh.coverage is None or self.material.cutoff is not None
+        return whole and self.material.opaque
+
+    @property
+    def tints(self) -> bool:
+        """Whether the transmitted fraction may differ between channels."""
+        if self.material.transmission == BLACK:
+            return False
+        factors = self.mesh.albedo, self.mesh.transmission
+        gray = all(one is None or bool((one == one[:, :1]).all()) for one in factors)
+        return not gray or self.material.tints
 
 
 @dataclass(frozen=True, eq=False)

@@ -32,6 +32,7 @@ from oitbench.scene import (
     Scene,
     SpotLight,
     Texture,
+    Wrap,
 )
 from tests.helpers import collection
 
@@ -108,6 +109,15 @@ PAIRS = {
         replace(with_mesh(), background=(0.0, 0.0, 1e-5)),
     ),
     "a tall or a wide texture": (sky(np.ones((2, 8))), sky(np.ones((8, 2)))),
+    "a texture that ends or goes on": (
+        with_material(coverage=Texture(np.ones((2, 2), np.float32))),
+        with_material(
+            coverage=Texture(np.ones((2, 2), np.float32), (Wrap.REPEAT, Wrap.CLAMP)),
+        ),
+    ),
+    "a cutoff": (with_material(), with_material(cutoff=0.5)),
+    "a back": (with_material(), with_material(culled=True)),
+    "coverage of vertices": (with_mesh(), with_mesh(coverage=np.array([0, 1, 1, 1], np.float32))),
     "exposure": (sheet_scene(), sheet_scene(exposure=1.0)),
 }
 
@@ -151,8 +161,12 @@ def test_kinds_of_values_can_be_told_apart_by_their_fields() -> None:
         kind
         for name in descriptions.__all__
         if dataclasses.is_dataclass(kind := getattr(descriptions, name))
+        and kind is not descriptions.ViewMesh  # It has no value of its own.
     ]
-    fields = [tuple(sorted(field.name for field in dataclasses.fields(kind))) for kind in kinds]
+    fields = [
+        tuple(sorted(field.name for field in dataclasses.fields(kind) if field.init))
+        for kind in kinds
+    ]
     assert len(kinds) > 8
     assert len(set(fields)) == len(kinds)
 

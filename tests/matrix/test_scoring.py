@@ -140,7 +140,9 @@ def test_transparent_pixels_are_those_that_do_not_pass_all_light() -> None:
         collection = Collection.load()
         scene = collection.build_scene("bottles")
         with UploadedScene(device, scene) as uploaded:
-            stage = Stage("b", (24, 16), 2, "", uploaded, collection.truth(), lambda *_: STORED)
+            stage = Stage(
+                "b", (24, 16), 2, "", "main", uploaded, collection.truth(), lambda *_: STORED
+            )
             exact = stage.exact(~Effect.NONE)
     absorbing = exact.transmittance.min(axis=-1) < 1
     # The scene is not symmetric, so that no axis is swapped.

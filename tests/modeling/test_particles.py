@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from oitbench.modeling.particles import fill, shared_coverage, sprites
-from oitbench.scene import Camera
+from oitbench.scene import Sprites
 
 
 def test_shared_coverage_keeps_the_transmittance_of_the_whole() -> None:
@@ -26,13 +26,10 @@ def test_points_fill_balls_evenly_and_by_volume() -> None:
     assert (reach < 0.5 ** (1 / 3)).mean() == pytest.approx(0.5, abs=0.015)
 
 
-def test_sprites_face_halfway_between_camera_and_light() -> None:
-    camera = Camera(position=(0, 0, 5), target=(0, 0, 0))
-    random = np.random.default_rng(1)
-    for toward, expected in (((0, 1, 0), (0, 1, 1)), ((0, 0.6, -0.8), (0, -0.6, 1.8))):
-        mesh = sprites(random, [(0, 0, 0), (1, 2, 3)], [0.5, 2.0], camera, toward)
-        assert mesh.normals is not None
-        unit = np.asarray(expected) / np.linalg.norm(expected)
-        np.testing.assert_allclose(mesh.normals, np.tile(unit, (8, 1)), atol=1e-6)
-        edges = np.linalg.norm(mesh.positions[[1, 5]] - mesh.positions[[0, 4]], axis=1)
-        np.testing.assert_allclose(edges, [1, 4], rtol=1e-6)
+def test_sprites_are_turned_at_random() -> None:
+    found = sprites(np.random.default_rng(1), [(0, 0, 0), (1, 2, 3)], [0.5, 2.0], (0, 1, 0))
+    assert isinstance(found, Sprites)
+    first, second = np.asarray(found.turns)
+    assert first != second
+    assert found.toward_light == (0, 1, 0)
+    np.testing.assert_array_equal(found.radii, [0.5, 2.0])

@@ -83,3 +83,19 @@ def test_random_directions_are_uniform_over_the_sphere() -> None:
     # Each coordinate of a uniform direction is uniform in [−1, 1] (Archimedes).
     np.testing.assert_allclose((directions**2).mean(axis=0), 1 / 3, atol=0.01)
     np.testing.assert_allclose(directions.mean(axis=0), 0, atol=0.02)
+
+
+def test_copies_and_unions_keep_the_factors_of_vertices() -> None:
+    flat = quad((0, 0, 0), (1, 0, 0), (0, 1, 0))
+    part = np.array([0, 0.5, 1, 1], np.float32)
+    color = np.arange(12, dtype=np.float32).reshape(4, 3) / np.float32(12)
+    mesh = replace(flat, coverage=part, albedo=color, transmission=1 - color)
+    for found in (merge([mesh, mesh]), repeated(mesh, [(0, 0, 0), (3, 0, 0)])):
+        assert found.coverage is not None
+        assert found.albedo is not None
+        assert found.transmission is not None
+        np.testing.assert_array_equal(found.coverage, np.tile(part, 2))
+        np.testing.assert_array_equal(found.albedo, np.tile(color, (2, 1)))
+        np.testing.assert_array_equal(found.transmission, np.tile(1 - color, (2, 1)))
+    with pytest.raises(ValueError, match="only some of the meshes to merge have coverage"):
+        merge([mesh, replace(mesh, coverage=None)])

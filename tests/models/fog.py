@@ -21,7 +21,7 @@ from oitbench.scene import (
     SpotLight,
 )
 from tests.models.hashing import fraction, pcg3d
-from tests.models.view import rays
+from tests.models.view import origins, rays
 
 
 @dataclass(frozen=True, eq=False)
@@ -145,7 +145,7 @@ def march(
     light_steps : int
         Steps in which a varying density dims the lights.
     """
-    direction, eye = rays(camera, size), np.asarray(camera.position, dtype=np.float64)
+    direction, eye = rays(camera, size), origins(camera, size)
     with np.errstate(divide="ignore"):
         ends = [(np.asarray(corner) - eye) / direction for corner in (medium.low, medium.high)]
     enters = np.maximum(np.minimum(*ends).max(axis=-1), camera.near)

@@ -15,8 +15,8 @@ from oitbench.path_traced.export.scene import export
 from oitbench.path_traced.export.view import View
 from oitbench.path_traced.trace.integrators import trace
 from oitbench.path_traced.trace.render import render
-from oitbench.scene import RGB, Camera, Material, Mesh, Object, Scene, Texture, as_vector
-from oitbench.scene.texturing import level_of_detail, lookup, premultiplied_pyramid
+from oitbench.scene import RGB, Camera, Material, Mesh, Object, Scene, Texture, Wrap, as_vector
+from oitbench.scene.texturing import Images, level_of_detail, lookup, premultiplied_pyramid
 from tests.path_traced.agreement import needs_mitsuba
 
 pytestmark = needs_mitsuba
@@ -116,9 +116,10 @@ def test_layers_that_are_very_close_are_each_hit_once() -> None:
     np.testing.assert_allclose(image, np.broadcast_to(expected, (8, 8, 3)), atol=1e-4)
 
 
+@pytest.mark.parametrize("culled", [False, True])
 @pytest.mark.parametrize("variant", [None, llvm.SLOW_VARIANT])
-def test_films_closer_than_a_step_are_both_hit(variant: str | None) -> None:
-    film = Material(coverage=0.5, emission=(1.0, 1.0, 1.0))
+def test_films_closer_than_a_step_are_both_hit(variant: str | None, culled: bool) -> None:
+    film = Material(coverage=0.5, emission=(1.0, 1.0, 1.0), culled=culled)
     films = tuple(Object(str(i), _quad(0.3 + 1e-6 * i, tilt=0.7), film) for i in range(2))
     # From here, no ray hits the diagonal that the triangles of a quad share.
     camera = Camera((0.03, 0.0, 4.0), target=(0.03, 0.0, 0.0))
@@ -194,24 +195,38 @@ def test_films_in_front_of_the_near_and_beyond_the_far_plane_are_not_drawn() -> 
     np.testing.assert_allclose(image[0, 0], _composite(materials[1:2]), atol=1e-6)
 
 
-@pytest.mark.parametrize("shape", [(64, 64), (2, 128)])
-def test_textures_use_the_shared_filter(shape: tuple[int, int]) -> None:
+CLAMPED = (Wrap.CLAMP, Wrap.CLAMP)
+
+
+@pytest.mark.parametrize(
+    ("shape", "wrap"),
+    [
+        ((64, 64), CLAMPED),
+        ((2, 128), CLAMPED),
+        ((63, 45), CLAMPED),
+        ((7, 100), (Wrap.REPEAT, Wrap.MIRROR)),
+        ((64, 33), (Wrap.MIRROR, Wrap.REPEAT)),
+    ],
+)
+def test_textures_use_the_shared_filter(shape: tuple[int, int], wrap: tuple[Wrap, Wrap]) -> None:
     random = np.random.default_rng(8)
-    emission = Texture(random.random((*shape, 3)).astype(np.float32))
-    coverage = Texture(random.random(shape).astype(np.float32))
+    emission = Texture(random.random((*shape, 3)).astype(np.float32), wrap)
+    coverage = Texture(random.random(shape).astype(np.float32), wrap)
     material = Material(coverage, (0.1, 0.5, 0.9), emission)
     camera = Camera((0.3, -0.2, 4.0), target=(0.1, 0.0, 0.0))
-    tilt = 1.5
-    scene = Scene(
-        "floor", camera, (Object("q", _quad(tilt=tilt), material),), background=BACKGROUND
-    )
+    tilt, turns = 1.5, 1 if wrap == CLAMPED else 3
+    mesh = _quad(tilt=tilt)
+    assert mesh.uvs is not None
+    mesh = dataclasses.replace(mesh, uvs=turns * mesh.uvs - turns // 2)
+    scene = Scene("floor", camera, (Object("q", mesh, material),), background=BACKGROUND)
     image = render(scene, (24, 16), ssaa=1).mean.reshape(-1, 3)
-    pyramid = premultiplied_pyramid((emission, coverage))
-    uv, lod = _footprints(View(camera, 24, 16), tilt, shape, len(pyramid))
+    pyramid = premultiplied_pyramid(Images(emission, coverage))
+    texels = turns * shape[0], turns * shape[1]
+    uv, lod = _footprints(View(camera, 24, 16), tilt, texels, len(pyramid))
     inside = ((uv > 0) & (uv < 1)).all(axis=1)
     assert inside.sum() > 150
     assert np.ptp(lod[inside]) > 1
-    found = lookup(pyramid, uv, lod)
+    found = lookup(pyramid, turns * uv - turns // 2, lod, wrap)
     through = 1 - found[:, 3:] * (1 - np.asarray(material.transmission))
     expected = found[:, :3] + through * BACKGROUND
     np.testing.assert_allclose(image[inside], expected[inside], atol=1e-4)

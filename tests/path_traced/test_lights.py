@@ -31,6 +31,7 @@ from oitbench.scene import (
     Texture,
     unit,
 )
+from oitbench.scene.texturing import constant
 from tests.path_traced.agreement import assert_mean, needs_mitsuba
 
 pytestmark = needs_mitsuba
@@ -113,7 +114,9 @@ def test_a_shadow_through_panes_has_the_color_of_their_product() -> None:
     cosine = -unit(np.array(SUN.direction))[1]
     clear = np.multiply(PAPER, SUN.irradiance) / math.pi * cosine
     first = np.asarray(PANES[0].transmission) * (1 - _schlick(0.04, cosine))
-    second = 0.3 + 0.7 * np.multiply(PANES[1].transmission, np.subtract(1, PANES[1].albedo))
+    second = 0.3 + 0.7 * np.multiply(
+        constant(PANES[1].transmission), np.subtract(1, constant(PANES[1].albedo))
+    )
     expected = np.tile(clear * first * second, (30, 1))
     np.testing.assert_allclose(_image(scene), expected, rtol=1e-4)
 
@@ -137,7 +140,7 @@ def test_transmission_loses_the_reflected_light() -> None:
     pane = Object("pane", quad((0, 0, 0), (9, 0, 0), (0, 9, 0)), PANES[0])
     narrow = Camera((0.0, 0.0, 4.0), fov_y=0.01)
     estimate = render(Scene("pane", narrow, (wall, pane)), (48, 48))
-    assert_mean(estimate, np.multiply(PANES[0].transmission, (1.0, 2.0, 3.0)) * 0.96)
+    assert_mean(estimate, np.multiply(constant(PANES[0].transmission), (1.0, 2.0, 3.0)) * 0.96)
 
 
 def test_isotropic_particles_scatter_equally_to_all_sides() -> None:

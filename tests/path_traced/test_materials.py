@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from oitbench.modeling.mesh import box, sphere
-from oitbench.path_traced.optics.materials import absorption, mean_chord
+from oitbench.path_traced.optics.materials import absorption
 from oitbench.scene import Material, Object
+from oitbench.scene.solids import mean_chord
 
 SLAB = box((0, 1, 0), (2, 0.5, 2))
 

@@ -23,6 +23,7 @@ from oitbench.scene import (
     Object,
     Scene,
 )
+from oitbench.scene.texturing import constant
 from tests.path_traced.agreement import assert_mean, needs_mitsuba
 
 pytestmark = needs_mitsuba
@@ -87,7 +88,7 @@ def _straight(item: Object, length: float) -> float:
     """Return what the absorption of `item` lets pass over a length."""
     size = np.ptp(item.mesh.positions, axis=0)
     volume, area = size.prod(), 2 * (size * np.roll(size, 1)).sum()
-    return float(item.material.transmission[0] ** (2 * length / (4 * volume / area)))
+    return float(constant(item.material.transmission)[0] ** (2 * length / (4 * volume / area)))
 
 
 @pytest.mark.parametrize("priority", [-1, 1])

@@ -16,7 +16,6 @@ from oitbench.modeling.mesh import box, quad, sphere
 from oitbench.modeling.placement import merge
 from oitbench.path_traced import llvm
 from oitbench.path_traced.export.shapes import SOLIDS, solids
-from oitbench.path_traced.optics.materials import mean_chord
 from oitbench.path_traced.photons.map import CausticMap
 from oitbench.scene import (
     BLACK,
@@ -34,6 +33,7 @@ from oitbench.scene import (
     SpotLight,
     as_vector,
 )
+from oitbench.scene.solids import mean_chord
 
 needs_llvm = pytest.mark.skipif(
     importlib.util.find_spec("mitsuba") is None or llvm.backend().variant != llvm.FAST_VARIANT,

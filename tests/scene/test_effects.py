@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -20,8 +21,10 @@ from oitbench.scene import (
     EnvironmentLight,
     Material,
     Medium,
+    Mesh,
     Object,
     Scene,
+    Texture,
 )
 from tests.helpers import (
     Layer,
@@ -169,3 +172,46 @@ def test_effects_are_chosen_by_name() -> None:
         choose_effects("-difusion", requested)
     with pytest.raises(UsageError, match="give requested, all, none, or -NAME"):
         choose_effects("diffusion", requested)
+
+
+GRAY, RED = (
+    Texture(np.full((2, 2, 3), color, np.float32)) for color in ((0.5, 0.5, 0.5), (0.9, 0.1, 0.1))
+)
+THREE = np.array([[1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 1, 1]], np.float32)
+
+
+@pytest.mark.parametrize(
+    ("material", "vertices", "tinted"),
+    [
+        (Material(transmission=GRAY), {}, False),
+        (Material(transmission=Texture(np.ones((2, 2), np.float32))), {}, False),
+        (Material(transmission=RED), {}, True),
+        (Material(transmission=(1.0, 1.0, 1.0), albedo=RED), {}, True),
+        (Material(transmission=(1.0, 1.0, 1.0), albedo=(0.5, 0.5, 0.5)), {"albedo": THREE}, True),
+        (Material(transmission=(1.0, 1.0, 1.0)), {"transmission": THREE}, True),
+        (Material(transmission=(1.0, 1.0, 1.0)), {"transmission": 0.5 * np.ones((4, 3))}, False),
+    ],
+)
+def test_what_varies_may_tint(material: Material, vertices: Any, tinted: bool) -> None:
+    mesh = quad((0, 0, -2), (1, 0, 0), (0, 1, 0))
+    given = {name: np.asarray(values, np.float32) for name, values in vertices.items()}
+    mesh = Mesh.from_arrays(mesh.positions, mesh.triangles, uvs=mesh.uvs, **given)
+    one = Object("sheet", mesh, material)
+    assert one.tints == tinted
+    found = Scene("s", Camera((0, 0, 0), (0, 0, -1)), (one,)).effects
+    assert (Effect.COLORED_TRANSMISSION in found) == tinted
+
+
+def test_a_surface_with_a_cutoff_is_opaque_where_it_is() -> None:
+    mesh = quad((0, 0, -2), (1, 0, 0), (0, 1, 0))
+    faded = replace(mesh, coverage=np.array([0, 1, 1, 0], np.float32))
+    holes = Texture(np.array([[0, 1]], np.float32))
+    assert not Material(holes).opaque
+    assert Material(holes, cutoff=0.5).opaque
+    assert not Material(holes, (0.1, 0.0, 0.0), cutoff=0.5).opaque
+    assert not Material(holes, RED, cutoff=0.5).opaque
+    assert Object("x", mesh, Material()).opaque
+    assert not Object("x", faded, Material()).opaque
+    assert Object("x", faded, Material(cutoff=0.5)).opaque
+    leaf = Object("x", mesh, Material(holes, cutoff=0.5))
+    assert Scene("s", Camera((0, 0, 0), (0, 0, -1)), (leaf,)).effects == Effect.NONE

@@ -22,6 +22,7 @@ from oitbench.scene import (
     Scene,
     SpotLight,
     Texture,
+    Wrap,
 )
 
 NAN, INFINITY = float("nan"), float("inf")
@@ -34,6 +35,10 @@ FLAT = Camera(position=(0, 0, 0), target=(0, 0, -1), far=0.4)
 
 def texture(*shape: int, value: float = 0.5) -> Texture:
     return Texture(np.full(shape, value, np.float32))
+
+
+def glass(**fields: Any) -> Material:
+    return Material(**{"transmission": (0.9, 0.9, 0.9), **fields}, index=1.5, solid=True)
 
 
 def mesh(**arrays: Any) -> Mesh:
@@ -62,9 +67,31 @@ def fog(**values: Any) -> Medium:
 
 WRONG: list[tuple[Callable[[], object], str]] = [
     (lambda: texture(4, 4, 2), r"texture: texels are \(4, 4, 2\)"),
-    (lambda: texture(4, 6), "texture: a side has 6 texels"),
+    (lambda: texture(4, 0), r"texture: texels are \(4, 0\); give one texel"),
+    (lambda: Texture(np.ones((1, 1), np.float32), ("repeat", "spin")), "texture: wrap is"),  # type: ignore[arg-type]
     (lambda: texture(4, 4, value=NAN), "texture: texels holds NaN"),
     (lambda: Material(coverage=1.5), "material: coverage"),
+    (lambda: Material(albedo=texture(2, 2, 3, value=1.5)), "material: albedo"),
+    (lambda: Material(transmission=texture(2, 2, value=-1)), "material: transmission"),
+    (lambda: Material(roughness=texture(2, 2, 3)), "material: roughness has colors"),
+    (
+        lambda: Material(
+            texture(2, 2), albedo=Texture(np.ones((1, 1), np.float32), (Wrap.REPEAT, Wrap.CLAMP))
+        ),
+        "material: coverage and albedo wrap differently",
+    ),
+    (lambda: Material(cutoff=1.5), "material: cutoff must lie"),
+    (lambda: Material(cutoff=0.0), "material: cutoff is 0, which all coverage reaches"),
+    (lambda: glass(cutoff=0.5), "material: a refracting solid has cutoff or culled"),
+    (lambda: glass(culled=True), "material: a refracting solid has cutoff or culled"),
+    (lambda: glass(albedo=texture(2, 2)), "material: a refracting solid is even"),
+    (lambda: glass(transmission=texture(2, 2)), "material: a refracting solid is even"),
+    (lambda: mesh(coverage=[0.5]), r"mesh: coverage must be \(4,\)"),
+    (lambda: mesh(coverage=[0.5, 0.5, 2, 1]), "mesh: coverage must lie"),
+    (lambda: mesh(albedo=np.full((4, 3), -1)), "mesh: albedo must lie"),
+    (lambda: mesh(transmission=np.zeros((4, 4))), r"mesh: transmission must be \(4, 3\)"),
+    (lambda: Object("x", mesh(albedo=np.ones((4, 3))), glass()), "object x: a refracting solid is"),
+    (lambda: Object("x", mesh(uvs=None), Material(roughness=texture(2, 2))), "object x: .* no uvs"),
     (lambda: Material(coverage=texture(4, 4, value=-0.5)), "material: coverage"),
     (lambda: Material(coverage=texture(4, 4, 3)), "material: coverage has colors"),
     (lambda: Material(transmission=(0.5, 1.1, 0.5)), "material: transmission"),

@@ -19,6 +19,8 @@ EFFECTS = {
     "caustic_spheres": REFRACTING,
     "chess": REFRACTING,
     "clouds": GRAY | Effect.TRANSLUCENT_SHADOWS,
+    "courtyard": REFRACTING | Effect.VOLUME,
+    "engine": GRAY,
     "foggy_street": GRAY | SHADOWED | Effect.DIFFUSION | Effect.VOLUME,
     "foggy_street[collimation=1]": GRAY | SHADOWED | Effect.VOLUME,
     "foliage": GRAY,
@@ -29,6 +31,8 @@ EFFECTS = {
     "frosted_door[collimation=1]": GRAY | SHADOWED,
     "frosted_panes": GRAY | SHADOWED | Effect.DIFFUSION,
     "glass_bars": COLORED,
+    "glow": COLORED_CASTERS,
+    "glow[opacity=1]": COLORED_CASTERS,
     "layer_stack": GRAY,
     "layer_stack[transmission=gray]": GRAY,
     "layer_stack[transmission=colored]": COLORED,
@@ -38,6 +42,7 @@ EFFECTS = {
     "smoke_ball": GRAY | SHADOWED,
     "smoke_ball[cube=above]": GRAY | SHADOWED,
     "tumblers": REFRACTING,
+    "water_and_smoke": REFRACTING,
 }
 """The effects that each scene requests, and that its variants do."""
 CASES = sorted({*EFFECTS, *COLLECTION.scenes})

@@ -13,7 +13,7 @@ from oitbench.effects import Effect
 from oitbench.errors import CapabilityError, DeclarationError
 from oitbench.gl.capabilities import FETCH, SPIN_LOCK
 from oitbench.gl.device import Device
-from oitbench.gl.geometry import VERTEX, VERTEX_FORMAT, Geometry
+from oitbench.gl.geometry import FACTORS, FACTORS_FORMAT, VERTEX, VERTEX_FORMAT, Geometry
 from oitbench.gl.ownership import Owner
 from oitbench.gl.planes import PLANE_FORMAT, PLANE_NAME
 from oitbench.gl.program import accessors, prelude
@@ -143,6 +143,8 @@ class CompiledPass(Owner):
         if array is None:
             geometry = self._geometry
             content = [(geometry.vertices, VERTEX_FORMAT, *(VERTEX.names or ()))]
+            if geometry.factors is not None:
+                content.append((geometry.factors, FACTORS_FORMAT, *(FACTORS.names or ())))
             if geometry.planes is not None:
                 content.append((geometry.planes, PLANE_FORMAT, PLANE_NAME))
             array = self._device.context.vertex_array(

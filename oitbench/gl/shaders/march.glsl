@@ -11,7 +11,8 @@ struct Slice {
 
 // The part of a pixel's view ray that lies inside the medium.
 struct Path {
-    vec3 direction;   // from the eye; its length advances one meter of view distance
+    vec3 origin;      // at view distance 0
+    vec3 direction;   // its length advances one meter of view distance
     float enters;     // view distance, m
     float leaves;
 };
@@ -25,11 +26,11 @@ float phase(float cosine) {
 
 // Between the near plane and the view distance `behind`; `leaves` < `enters` if the ray misses.
 Path path_through_medium(float behind) {
-    vec3 direction = pixel_ray(gl_FragCoord.xy);
+    vec3 direction = pixel_ray(gl_FragCoord.xy), origin = pixel_origin(gl_FragCoord.xy);
     vec3 safe = mix(direction, vec3(1e-12), lessThan(abs(direction), vec3(1e-12)));
-    vec3 one = (medium_low.xyz - eye.xyz) / safe, other = (medium_high.xyz - eye.xyz) / safe;
+    vec3 one = (medium_low.xyz - origin) / safe, other = (medium_high.xyz - origin) / safe;
     vec3 first = min(one, other), last = max(one, other);
-    return Path(direction, max(max(first.x, first.y), max(first.z, near_plane)),
+    return Path(origin, direction, max(max(first.x, first.y), max(first.z, near_plane)),
                 min(min(last.x, last.y), min(last.z, behind)));
 }
 
@@ -62,7 +63,7 @@ float jitter() {
 Slice slice_of(Path path, int k, int count, float part, int steps) {
     float thickness = max(path.leaves - path.enters, 0.0) / float(count);
     float begins = path.enters + float(k) * thickness;
-    vec3 position = eye.xyz + (begins + part * thickness) * path.direction;
+    vec3 position = path.origin + (begins + part * thickness) * path.direction;
     float meters = length(path.direction) * thickness;
     float coverage = 1.0 - exp(-medium_low.w * density_at(position) * meters);
     vec3 onward = normalize(path.direction);

@@ -11,7 +11,7 @@ const float QUARTER = 1.57079632679490;                  // of a turn, radians
 vec3 place_of(ivec2 pixel, float depth) {
     float z = view_distance(depth);
     vec2 slope = (vec2(pixel) + 0.5 - 0.5 * vec2(frame_size)) / pixel_focal;
-    return vec3(slope * z, -z);
+    return vec3(slope * shown_at(z), -z);
 }
 
 // The surface's change from pixel to pixel along `axis`, from the side on which it goes on. Depth is
@@ -72,11 +72,12 @@ void resolve() {
     if (depth <= 0.0) {
         discard;
     }
-    vec3 here = place_of(pixel, depth), view = normalize(-here);
+    vec3 here = place_of(pixel, depth);
+    vec3 view = eye.w == 0.0 ? vec3(0.0, 0.0, 1.0) : normalize(-here);
     vec3 normal = cross(change_along(pixel, ivec2(1, 0), depth),
                         change_along(pixel, ivec2(0, 1), depth));
     normal = normalize(dot(normal, view) < 0.0 ? -normal : normal);
-    float reach = RADIUS * pixel_focal / -here.z;
+    float reach = RADIUS * pixel_focal / shown_at(-here.z);
     // Each block of 4 x 4 pixels has 16 directions and four first steps; the filter removes the
     // pattern.
     float turn = float((((pixel.x + pixel.y) & 3) << 2) + (pixel.x & 3)) / 16.0;

@@ -12,7 +12,8 @@ struct Surface {
     bool binary;         // unfiltered coverage is 0 or 1
     bool receives;       // shadows
     bool mapped;         // whether maps of transparent surfaces hold it
-    int lobe;            // number of its lobe, from 1; 0 for a smooth surface
+    int lobe;            // number of its lobe, from 1; 0 for a smooth surface; -(number of the first
+                         // step) where a texture gives the roughness
 };
 
 Surface surface_at(int material) {
@@ -59,6 +60,19 @@ const int UNMAPPED = SHEET;
 const int UNMAPPED = APART;
 #endif
 
+#if defined(ENVIRONMENT) && defined(ROUGHNESS_TEXTURES)
+// Light that the lobe of any roughness mirrors, between the steps of `rough_lobes`.
+vec3 mirrored_between(Surface surface, vec3 n, vec3 v) {
+    float at = surface.roughness * float(GRADES);
+    int lower = min(int(at), GRADES - 1);
+    int lobe = lower - surface.lobe;
+    vec3 sharp = lower == 0 ? fresnel(surface.reflectance, dot(n, v)) *
+                                  environment_radiance(reflect(-v, n))
+                            : mirrored(lobe - 1, surface.reflectance, n, v);
+    return mix(sharp, mirrored(lobe, surface.reflectance, n, v), at - float(lower));
+}
+#endif
+
 // Radiance that leaves toward `v`; `openness` is the part of the environment that is not occluded, and
 // `tau` the transmittance of the surface.
 vec3 reflected(Surface surface, vec3 position, vec3 n, vec3 v, float openness, vec3 tau) {
@@ -85,6 +99,11 @@ vec3 reflected(Surface surface, vec3 position, vec3 n, vec3 v, float openness, v
         return sum + surface.albedo * surroundings.rgb * openness;
     }
     sum += surface.albedo * surrounding_light(n) * openness;
+#ifdef ROUGHNESS_TEXTURES
+    if (surface.lobe < 0) {
+        return sum + mirrored_between(surface, n, v);
+    }
+#endif
     if (surface.lobe > 0) {
         sum += mirrored(surface.lobe, surface.reflectance, n, v);
     } else if (surface.reflectance > 0.0) {

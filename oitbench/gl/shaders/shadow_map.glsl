@@ -6,7 +6,7 @@
 // Cells per meter of the grid on which world positions are hashed, independent of the camera. Below
 // the size of a texel they are noise; in maps of tiny scenes they are therefore smaller.
 float cells_per_meter() {
-    float texels = pixel_focal / (eye.w == 0.0 ? 1.0 : far_plane);
+    float texels = pixel_focal / shown_at(far_plane);
     return max(16384.0, exp2(ceil(log2(texels))));
 }
 

@@ -6,7 +6,7 @@ void resolve() {
 #if defined(OPAQUE) && !defined(OCCLUDERS)
     depth = max(depth, read_opaque());
 #endif
-    float z = depth > 0.0 ? axial_distance(depth) : 0.0;
+    float z = depth > 0.0 ? view_distance(depth) : 0.0;
 #ifdef OCCLUDERS
     moments = vec4(z, z * z, depth > 0.0 ? 1.0 : 0.0, 0.0);
 #else

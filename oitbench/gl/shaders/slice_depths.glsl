@@ -9,7 +9,7 @@ uint fixed_point(float part) { return uint(-log(max(1.0 - part, FAINT)) * UNIT +
 
 void gather(Fragment fragment) {
     vec3 part = kept_back(fragment);
-    float slice = floor((axial_distance(fragment.inverse_depth) - FIRST) / THICKNESS);
+    float slice = floor((view_distance(fragment.inverse_depth) - FIRST) / THICKNESS);
     uint place = uint(clamp(slice, 0.0, float(LIGHT_PLANES - 2)));
     uint i = place * frame_size.x * frame_size.y + pixel_index();
     add_slices_depth0(i, fixed_point(part.r));

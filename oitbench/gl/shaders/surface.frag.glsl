@@ -11,6 +11,9 @@ flat in float v_material;
 #ifdef TEXTURED
 #include "textures.glsl"
 #endif
+#ifdef VARIED
+#include "variation.glsl"
+#endif
 
 #ifdef LIGHT_VIEW
 #undef PLANES
@@ -28,30 +31,7 @@ const float WHOLE = 254.0 / 255.0;
 #endif
 
 #ifdef DETAILED
-// The unit normal on the viewer's side; that of the triangle where the mesh gives none.
-vec3 facing_normal(vec3 toward) {
-    vec3 flat_normal = cross(dFdx(v_position), dFdy(v_position));
-    vec3 normal = dot(v_normal, v_normal) > 0.0 ? v_normal : flat_normal;
-    normal = normalize(dot(normal, normal) > 0.0 ? normal : toward);
-    return dot(normal, toward) < 0.0 ? -normal : normal;
-}
-
-// Adds reflection, and the properties of refraction and diffusion.
-void add_reflection(inout Fragment fragment, vec3 normal, vec3 toward, vec2 gradient) {
-    Surface surface = surface_at(int(v_material + 0.5));
-    float openness = 1.0;
-#ifdef OCCLUSION
-    openness = openness_of(surface, fragment.coverage, gradient, fragment.z);
-#endif
-    fragment.normal = normal;
-    fragment.incidence = dot(normal, toward);
-    fragment.index = surface.index;
-    fragment.collimation = surface.collimation;
-    vec3 kept = 1.0 - surface.albedo;
-    fragment.transmission *= kept * (1.0 - fresnel(surface.reflectance, fragment.incidence));
-    fragment.radiance += reflected(surface, v_position, normal, toward, openness,
-                                   transmittance(fragment)) * radiance_gain;
-}
+#include "detail.glsl"
 #endif
 
 void main() {
@@ -80,6 +60,9 @@ void main() {
     vec3 toward = normalize(eye.xyz - eye.w * v_position);
     vec3 normal = facing_normal(toward);
 #endif
+#ifdef VARIED
+    look_up_variation(v_uv, int(v_material + 0.5));
+#endif
     vec2 gradient = vec2(0.0);   // of the coverage, a pixel
 #ifdef TEXTURED
     vec4 texel = filtered_texel(v_uv, int(max(v_layer, 0.0)));
@@ -91,6 +74,11 @@ void main() {
         }
         fragment.radiance *= texel.rgb / texel.a;
         fragment.coverage *= texel.a;
+    }
+#endif
+#ifdef VARIED
+    if (!vary(fragment, gradient)) {
+        discard;
     }
 #endif
 #ifdef PER_SAMPLE

@@ -13,6 +13,15 @@ in vec3 in_plane;
 flat out vec3 v_plane;
 #endif
 
+#ifdef VERTEX_FACTORS
+in vec3 in_albedo;
+in vec3 in_passing;
+in float in_part;
+out vec3 v_albedo;
+out vec3 v_passing;
+out float v_part;
+#endif
+
 out vec2 v_uv;
 out vec3 v_radiance;
 out vec3 v_position;
@@ -32,6 +41,11 @@ void main() {
 #endif
 #ifdef PLANES
     v_plane = in_plane;
+#endif
+#ifdef VERTEX_FACTORS
+    v_albedo = in_albedo;
+    v_passing = in_passing;
+    v_part = in_part;
 #endif
     v_position = in_position;
     v_uv = in_uv;

@@ -15,7 +15,7 @@ from oitbench.scene.environment import (
     lobe_fit,
     lobe_weight,
     rough_lobes,
-    weighted_means,
+    tables_of_means,
 )
 
 
@@ -54,7 +54,7 @@ class UploadedEnvironment(Owner):
         owner = f"a scene of {len(lobes)} different roughnesses"
         device.within(owner, len(lobes) + 1, "GL_MAX_ARRAY_TEXTURE_LAYERS")
         weights = [cosine_weight, *map(lobe_weight, lobes)]
-        means = np.stack([weighted_means(texels, weight) for weight in weights])
+        means = tables_of_means(texels, weights)
         self.macros = "#define ENVIRONMENT 1" + ("\n#define LOBES 1" if lobes else "")
         self.samplers: dict[str, moderngl.Texture | moderngl.TextureArray] = {}
         with self.building():

@@ -10,6 +10,8 @@ chessmen     the six chess pieces
 glassware    drinking glasses, drinks and ice
 teapot       the Utah teapot
 leaves       plants of leaf cards
+furniture    tables, chairs, plates, pots and oil lamps
+engine_parts parts of a piston engine
 ============ ============================================================================
 
 A new prop is a function that returns a `Mesh` in meters, standing on y = 0 at the origin. It takes

@@ -11,8 +11,8 @@ import math
 import numpy as np
 
 from oitbench.modeling.detail import divisions
-from oitbench.modeling.mesh import box, lathe, sphere
-from oitbench.modeling.placement import merge, transform, translation
+from oitbench.modeling.mesh import box, lathe, slab, sphere
+from oitbench.modeling.placement import merge, repeated, transform, translation
 from oitbench.modeling.profiles import smooth_curve
 from oitbench.scene import Floats, Mesh, Vector
 
@@ -100,6 +100,34 @@ def window_wall(
         np.concatenate([corner, outer + rise, other, corner]),
         depth,
     )
+
+
+def arcade(
+    bays: int, bay: float, pillar: float, rise: float, top: float, detail: float
+) -> tuple[Mesh, Mesh]:
+    """Return an arcade along x, centered on the origin: its wall, and its columns and cornice.
+
+    Parameters
+    ----------
+    bays : int
+        Number of arches; there is a column at both ends, too.
+    bay : float
+        Width of a bay, meters.
+    pillar, rise, top : float
+        Height of the columns, height of the bays of the arches on them, and that of the whole wall,
+        meters.
+    detail : float
+        Factor on the number of triangles.
+    """
+    middles = [bay * (place - (bays - 1) / 2) for place in range(bays)]
+    opening = arch(bay, 0.79 * bay, rise, 0.42, divisions(16, detail, 6))
+    wall = repeated(opening, [(x, pillar, 0.0) for x in middles])
+    half = bays * bay / 2
+    upper = slab((-half, pillar + rise, -0.21), (half, top, 0.21))
+    cornice = slab((-half, top - 0.01, -0.3), (half, top + 0.13, 0.3))
+    feet = [(bay * (place - bays / 2), 0.0, 0.0) for place in range(bays + 1)]
+    columns = repeated(column(pillar - 0.001, 0.15, 0.5 * detail), feet)
+    return merge([wall, upper]), merge([columns, cornice])
 
 
 def _arc(side: float, radius: float, height: float, segments: int) -> tuple[Floats, Floats]:

@@ -1,16 +1,18 @@
-"""Drinking glasses, the drinks in them, and ice: each one closed solid.
+"""Drinking glasses, the drinks in them, ice, and tanks: each one closed solid.
 
 Meters. Glasses stand on y = 0 about the y axis.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import itertools
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from oitbench.modeling.detail import divisions
-from oitbench.modeling.mesh import box
+from oitbench.modeling.mesh import box, box_faces, grid
+from oitbench.modeling.placement import merge
 from oitbench.modeling.profiles import Corner, inset, outline
 from oitbench.modeling.solids import turned
 from oitbench.scene import Mesh, Vector
@@ -47,13 +49,14 @@ class Vessel:
         level : float
             Height of the drink's surface in meters, within the straight part of the wall.
         gap : float
-            Air between drink and glass in meters, so that no two surfaces coincide.
+            Air between drink and glass in meters. If it is negative, the drink reaches into the
+            glass, which must have a higher `Object.priority`. Not 0: no two surfaces may coincide.
         detail : float
             Factor on the number of triangles.
         """
         wall = inset(outline(self.inside[::-1], detail), gap)
         radius = float(np.interp(level, wall[:, 1], wall[:, 0]))
-        edge = 2 * gap
+        edge = 2 * abs(gap)
         below: list[Corner] = [(r, h, 0.0) for r, h in wall if h < level - 2 * edge]
         return turned(
             outline([*below, (radius, level, edge), (0.0, level, 0.0)], detail),
@@ -142,3 +145,41 @@ def ice_cube(size: Vector, rounding: float, detail: float) -> Mesh:
     normals = bulge / np.linalg.norm(bulge, axis=1, keepdims=True)
     positions = np.sign(step) * flat + rounding * normals
     return Mesh.from_arrays(positions, triangles, normals=normals)
+
+
+def tank(size: Vector, wall: float) -> Mesh:
+    """Return a rectangular tank of glass that stands on y = 0 and is open above.
+
+    Parameters
+    ----------
+    size : Vector
+        Outer edge lengths along x, y and z, meters.
+    wall : float
+        Thickness of the walls and of the bottom, meters.
+    """
+    width, height, depth = size
+    outer = _sides((0, height / 2, 0), size)
+    inner_size = (width - 2 * wall, height - wall, depth - 2 * wall)
+    inner = _sides((0, (height + wall) / 2, 0), inner_size)
+    rim = []
+    for first, last in itertools.pairwise([0, 1, 2, 3, 0]):
+        turns = np.array([(1, 1), (1, -1), (-1, -1), (-1, 1)])[[first, last]]
+        corners = [
+            (x * (width / 2 - inset), height, z * (depth / 2 - inset))
+            for inset, ends in ((0.0, turns), (wall, turns[::-1]))
+            for x, z in ends
+        ]
+        rim.append(
+            Mesh.from_arrays(
+                corners, [(0, 1, 2), (0, 2, 3)], normals=np.tile([0.0, 1.0, 0.0], (4, 1))
+            )
+        )
+    assert inner.normals is not None
+    inwards = Mesh.from_arrays(inner.positions, inner.triangles[:, ::-1], normals=-inner.normals)
+    return merge([outer, inwards, *rim])
+
+
+def _sides(center: Vector, size: Vector) -> Mesh:
+    """Return the faces of a box but the upper one, without uvs."""
+    faces = [face for face in box_faces(center, size) if face[0][1] <= center[1] + 1e-9]
+    return replace(merge([grid(*face) for face in faces]), uvs=None)

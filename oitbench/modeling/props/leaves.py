@@ -8,14 +8,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
 
+from oitbench.modeling.baking import tint
 from oitbench.modeling.detail import copies, enlargement
 from oitbench.modeling.mesh import grid
-from oitbench.modeling.placement import frames, merge, random_directions
+from oitbench.modeling.placement import frames, merge, random_directions, scatter
 from oitbench.scene import RGB, Floats, Mesh, Texture, Vector, unit
 
 Shape = Callable[[Floats, Floats], Floats]
@@ -195,3 +196,10 @@ def place_leaves(plant: Plant, random: np.random.Generator, detail: float) -> Le
     width, length = plant.leaf
     placements = card_frames(centers, tips, uppers, scale * width, scale * length)
     return Leaves(placements, places, random.random(count) ** 1.3)
+
+
+def colored_cards(card: Mesh, leaves: Leaves, plant: Plant) -> Mesh:
+    """Return a copy of `card` for each leaf, with its color as the factor on a white albedo."""
+    cards = scatter(card, leaves.placements)
+    colors = tint(leaves.shades, plant.colors).repeat(len(card.positions), axis=0)
+    return replace(cards, albedo=colors.astype(np.float32))

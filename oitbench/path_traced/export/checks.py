@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from oitbench.errors import CapabilityError
-from oitbench.path_traced.optics.materials import mean_chord
 from oitbench.scene import Scene
+from oitbench.scene.solids import mean_chord
 
 _FLAT = 1e-9
 """Mean chord, as a part of the largest extent, of a mesh that encloses nothing but roundings."""

@@ -12,24 +12,25 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from oitbench.path_traced.export.texture import FilteredTextures
+from oitbench.path_traced.export.variation import Factors, Variation
 from oitbench.path_traced.export.view import View
 from oitbench.path_traced.optics.reflection import schlick
 
 LIGHT = "vertex_light"
-"""Mesh attribute: α·L, where a texture is a factor on both."""
+"""Mesh attribute: α·L, on which `Variation` has a factor."""
 ABSORPTION = "face_absorption"
-"""Mesh attribute: α(1 − T(1 − albedo)), where a texture is a factor on α.
+"""Mesh attribute: α(1 − T(1 − albedo)), where `Variation` has a factor on α alone.
 
 It is constant on each triangle. Interpolation between equal vertices would turn 1 into 0.99999998,
 and a very bright light would shine through an opaque surface.
 """
-COVERAGE = "face_coverage"
-"""Mesh attribute: α, on which a texture is a factor."""
+COVERAGE, TRANSMISSION, ALBEDO = "face_coverage", "face_transmission", "face_albedo"
+"""Mesh attributes: α, T and albedo, on which `Variation` has factors. The last two are there if
+they vary."""
 REFLECTANCE = "face_reflectance"
 """Mesh attribute: F₀."""
-TEXTURE = "face_texture"
-"""Mesh attribute: number of the texture plus one; 0 for none."""
+COLUMN = "face_varied_"
+"""Prefix of the mesh attributes for the columns of `Variation`."""
 
 
 @dataclass(frozen=True)
@@ -42,24 +43,31 @@ class Film:
         With a variant set.
     view : View
         For the far plane, beyond which nothing is drawn.
-    textures : FilteredTextures, optional
-        Emission and coverage of textured faces.
+    variation : Variation
+        Textures, factors of vertices, cutoffs and culling.
     """
 
     mitsuba: Any
     drjit: Any
     view: View
-    textures: FilteredTextures | None = None
+    variation: Variation
 
     def transmittance(self, si: Any, active: Any) -> Any:
         """Return τ = 1 − α + αt, with t = T (1 − F)(1 − albedo)."""
-        color = self.mitsuba.Color3f
-        absorption = color(si.shape.eval_attribute_3(ABSORPTION, si, active))
-        coverage = si.shape.eval_attribute_1(COVERAGE, si, active)
-        reflectance = si.shape.eval_attribute_1(REFLECTANCE, si, active)
+        color, shape, factors = self.mitsuba.Color3f, si.shape, self._factors(si, active)
+        coverage = shape.eval_attribute_1(COVERAGE, si, active)
+        if self.variation.inner:
+            kept = color(shape.eval_attribute_3(TRANSMISSION, si, active))
+            albedo = color(shape.eval_attribute_3(ALBEDO, si, active))
+            kept = kept if factors.transmission is None else kept * factors.transmission
+            albedo = albedo if factors.albedo is None else albedo * factors.albedo
+            absorption = coverage * (1 - kept * (1 - albedo))
+        else:
+            absorption = color(shape.eval_attribute_3(ABSORPTION, si, active))
+        reflectance = shape.eval_attribute_1(REFLECTANCE, si, active)
         absorption += schlick(self.drjit, reflectance, abs(si.wi.z)) * (coverage - absorption)
-        if self.textures is not None:
-            absorption = absorption * self._texel(si, active)[3]
+        if factors.coverage is not None:
+            absorption = absorption * factors.coverage
         drawn = self.view.before_far_plane(self.mitsuba, self.drjit, si.p)
         return self.drjit.select(drawn, 1 - absorption, color(1))
 
@@ -67,16 +75,17 @@ class Film:
         """Return α·L."""
         color = self.mitsuba.Color3f
         light = color(si.shape.eval_attribute_3(LIGHT, si, active))
-        if self.textures is not None:
-            light = light * color(*self._texel(si, active)[:3])
+        factor = self._factors(si, active).light
+        if factor is not None:
+            light = light * factor
         drawn = self.view.before_far_plane(self.mitsuba, self.drjit, si.p)
         return self.drjit.select(drawn, light, color(0))
 
-    def _texel(self, si: Any, active: Any) -> list[Any]:
-        """Return the factors on α·L and on α at `si`; one where the face has no texture."""
-        assert self.textures is not None
-        number = self.mitsuba.UInt32(si.shape.eval_attribute_1(TEXTURE, si, active))
-        return self.textures.factors(si, number, active)
+    def _factors(self, si: Any, active: Any) -> Factors:
+        columns = self.variation.columns
+        numbers = {one: si.shape.eval_attribute_1(COLUMN + one, si, active) for one in columns}
+        outside = self.drjit.dot(si.n, si.to_world(si.wi)) > 0
+        return self.variation.at(si, numbers, outside, active)
 
 
 def make_bsdf(film: Film) -> Any:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Mapping, Sequence
+from collections.abc import Sequence
+from dataclasses import replace
 from types import ModuleType
 from typing import Any
 
@@ -10,21 +11,22 @@ import numpy as np
 
 from oitbench.path_traced.export.film import (
     ABSORPTION,
+    ALBEDO,
+    COLUMN,
     COVERAGE,
     LIGHT,
     REFLECTANCE,
-    TEXTURE,
+    TRANSMISSION,
     Film,
     make_bsdf,
     make_emitter,
 )
+from oitbench.path_traced.export.variation import VERTEX, Variation
 from oitbench.scene import Array, Floats, Material, Mesh, Object
-from oitbench.scene.texturing import constants_of, image_key, images_of
+from oitbench.scene.texturing import constant, constants_of
 
 
-def build_mesh(
-    mitsuba: ModuleType, film: Film, group: Sequence[Object], numbers: Mapping[Hashable, int]
-) -> Any:
+def build_mesh(mitsuba: ModuleType, film: Film, group: Sequence[Object]) -> Any:
     """Return one Mitsuba mesh of all objects of a group.
 
     Parameters
@@ -32,19 +34,17 @@ def build_mesh(
     mitsuba : module
         With a variant set.
     film : Film
-        With the textures of the scene, if it has some.
+        Of the whole scene.
     group : sequence of Object
         Either films or refracting solids (see `shapes.layout`).
-    numbers : mapping of hashable to int
-        Place of each texture among those of the scene, by `image_key`.
     """
-    textured = film.textures is not None
+    textured = film.variation.textures is not None
     meshes = [_with_normals(item.mesh) for item in group]
     light = np.concatenate(
         [_light(item.material, mesh) for item, mesh in zip(group, meshes, strict=True)]
     )
     properties = mitsuba.Properties("mesh")
-    refracts = group[0].material.refracts and not group[0].material.opaque
+    refracts = group[0].material.refracts and not group[0].opaque
     # The interfaces of solids are traced by `optics`, with the indices on both of their sides.
     properties["film"] = mitsuba.load_dict({"type": "null"}) if refracts else make_bsdf(film)
     if light.any():
@@ -59,7 +59,10 @@ def build_mesh(
         has_vertex_texcoords=textured,
     )
     mesh.add_attribute(LIGHT, 3, light.ravel())
-    for name, column in _attributes(group, numbers).items():
+    for name in sorted(film.variation.vertex):
+        column = np.concatenate([_factors(part, name) for part in meshes])
+        mesh.add_attribute(VERTEX + name, column.shape[1], column.ravel())
+    for name, column in _attributes(group, film.variation).items():
         mesh.add_attribute(name, column.shape[1], column.ravel())
     values = mitsuba.traverse(mesh)
     values["faces"] = faces.ravel()
@@ -80,12 +83,12 @@ def _with_normals(mesh: Mesh) -> Mesh:
     normals = np.cross(points[:, 1] - points[:, 0], points[:, 2] - points[:, 0])
     length = np.linalg.norm(normals, axis=1, keepdims=True)
     normals = np.divide(normals, length, out=np.zeros_like(normals), where=length > 0)
-    return Mesh(
-        mesh.positions[corners],
-        np.arange(len(corners), dtype=np.uint32).reshape(-1, 3),
-        None if mesh.uvs is None else mesh.uvs[corners],
-        None if mesh.radiance is None else mesh.radiance[corners],
-        np.repeat(normals, 3, axis=0).astype(np.float32),
+    return replace(
+        mesh,
+        positions=mesh.positions[corners],
+        triangles=np.arange(len(corners), dtype=np.uint32).reshape(-1, 3),
+        **{name: values[corners] for name, values in mesh.vertices.items()},
+        normals=np.repeat(normals, 3, axis=0).astype(np.float32),
     )
 
 
@@ -109,29 +112,40 @@ def _joined_triangles(meshes: Sequence[Mesh]) -> Any:
 
 
 def _light(material: Material, mesh: Mesh) -> Array:
-    """Return α·L at the vertices, shape (n, 3), without the factor of a texture."""
+    """Return α·L at the vertices, shape (n, 3), without the factor of `Variation`."""
     emission, coverage = constants_of(material)
     light = np.ones((len(mesh.positions), 3)) if mesh.radiance is None else mesh.radiance
     return np.asarray(light * np.multiply(emission, coverage), dtype=np.float32)
 
 
-def _attributes(group: Sequence[Object], numbers: Mapping[Hashable, int]) -> dict[str, Array]:
-    """Return the values of the faces by attribute, without the factor of a texture."""
-    rows = []
+def _factors(mesh: Mesh, name: str) -> Array:
+    """Return the factors of vertices on a property, shape (n, 1) or (n, 3)."""
+    count, width = len(mesh.positions), 1 if name == "coverage" else 3
+    values = mesh.factors.get(name)
+    plain = np.ones((count, width), dtype=np.float32)
+    return plain if values is None else values.reshape(count, width).astype(np.float32)
+
+
+def _attributes(group: Sequence[Object], variation: Variation) -> dict[str, Array]:
+    """Return the values of the faces by attribute, without the factors of `variation`."""
+    found: dict[str, list[Any]] = {}
     for item in group:
         material = item.material
         _, coverage = constants_of(material)
-        kept = np.multiply(material.transmission, 1 - np.asarray(material.albedo))
-        reflectance = 0.0 if material.isotropic else material.reflectance
-        number = texture_number(material, numbers)
-        rows.append([*(coverage * (1 - kept)), coverage, reflectance, number])
+        transmission, albedo = constant(material.transmission), constant(material.albedo)
+        kept = np.multiply(transmission, 1 - np.asarray(albedo))
+        values: dict[str, Any] = {
+            ABSORPTION: coverage * (1 - kept),
+            COVERAGE: [coverage],
+            REFLECTANCE: [0.0 if material.isotropic else material.reflectance],
+        }
+        if variation.inner:
+            values |= {TRANSMISSION: transmission, ALBEDO: albedo}
+        values |= {COLUMN + name: [value] for name, value in variation.row(material).items()}
+        for name, row in values.items():
+            found.setdefault(name, []).append(row)
     counts = [len(item.mesh.triangles) for item in group]
-    values = np.repeat(np.asarray(rows, dtype=np.float32), counts, axis=0)
-    columns = {ABSORPTION: values[:, :3], COVERAGE: values[:, 3:4], REFLECTANCE: values[:, 4:5]}
-    return columns | ({TEXTURE: values[:, 5:]} if numbers else {})
-
-
-def texture_number(material: Material, numbers: Mapping[Hashable, int]) -> int:
-    """Return the number of a material's texture plus one; 0 if it has none."""
-    images = images_of(material)
-    return 0 if images is None else numbers[image_key(images)] + 1
+    return {
+        name: np.repeat(np.asarray(rows, dtype=np.float32), counts, axis=0)
+        for name, rows in found.items()
+    }

@@ -7,20 +7,20 @@ structure thus holds all objects, and the kernel stays small.
 from __future__ import annotations
 
 import importlib
-from collections.abc import Hashable
 from dataclasses import dataclass
 from types import ModuleType
 from typing import Any
 
 from oitbench.path_traced.export.checks import require_traceable
 from oitbench.path_traced.export.film import Film
-from oitbench.path_traced.export.mesh import build_mesh, texture_number
+from oitbench.path_traced.export.mesh import build_mesh
 from oitbench.path_traced.export.shapes import layout
 from oitbench.path_traced.export.texture import FilteredTextures
 from oitbench.path_traced.export.touching import separated
+from oitbench.path_traced.export.variation import Variation
 from oitbench.path_traced.export.view import View
-from oitbench.scene import BLACK, Material, Object, Scene
-from oitbench.scene.texturing import distinct_images, premultiplied_pyramid
+from oitbench.scene import BLACK, Object, Scene
+from oitbench.scene.texturing import distinct_images
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,21 +35,14 @@ class ExportedScene:
         What was exported: refracting solids that touch have been moved (see `touching`).
     groups : dict of str to list of Object
         The objects of each shape, by the id of the shape (see `shapes.layout`).
-    textures : FilteredTextures or None
-        None if no object has a texture.
-    numbers : dict of hashable to int
-        Place of each texture in `textures`, by `image_key`.
+    variation : Variation
+        What varies over the surfaces.
     """
 
     content: Any
     scene: Scene
     groups: dict[str, list[Object]]
-    textures: FilteredTextures | None
-    numbers: dict[Hashable, int]
-
-    def texture_of(self, material: Material) -> int:
-        """Return the number of a material's texture plus one; 0 if it has none."""
-        return texture_number(material, self.numbers)
+    variation: Variation
 
 
 def export(scene: Scene, view: View, mitsuba: ModuleType) -> ExportedScene:
@@ -76,13 +69,13 @@ def export(scene: Scene, view: View, mitsuba: ModuleType) -> ExportedScene:
     numbers = {key: number for number, key in enumerate(images)}
     textures = None
     if images:
-        pyramids = [premultiplied_pyramid(pair) for pair in images.values()]
-        textures = FilteredTextures.build(mitsuba, drjit, pyramids, view)
-    film = Film(mitsuba, drjit, view, textures)
+        textures = FilteredTextures.build(mitsuba, drjit, images.values(), view)
+    variation = Variation.of(mitsuba, drjit, scene.objects, textures, numbers)
+    film = Film(mitsuba, drjit, view, variation)
     groups = layout(scene)
     for name, group in groups.items():
-        content[name] = build_mesh(mitsuba, film, group, numbers)
+        content[name] = build_mesh(mitsuba, film, group)
     if scene.background != BLACK:
         radiance = {"type": "rgb", "value": [float(value) for value in scene.background]}
         content["background"] = {"type": "constant", "radiance": radiance}
-    return ExportedScene(mitsuba.load_dict(content), scene, groups, textures, numbers)
+    return ExportedScene(mitsuba.load_dict(content), scene, groups, variation)

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from oitbench.path_traced.export.view import View
-from oitbench.scene import Array
+from oitbench.scene import Wrap
+from oitbench.scene.texturing import Images, premultiplied_pyramid
+
+WRAPS = (Wrap.CLAMP, Wrap.REPEAT, Wrap.MIRROR)
+"""By their numbers in the tables."""
 
 
 @dataclass(frozen=True)
@@ -28,7 +32,8 @@ class FilteredTextures:
         variants, an array of shape (n, 4).
     tables : dict of str to UInt32 or array
         By the number of a texture: `width` and `height` of its level 0, and `levels`. `first`, the
-        first texel, has `most_levels` entries for each texture.
+        first texel, has `most_levels` entries for each texture. `wrap_u` and `wrap_v`, places in
+        `WRAPS`, are there only if a texture is not clamped.
     most_levels : int
     view : View
         Gives the footprint of a sub-pixel on the surface. Rays that have passed a film carry no
@@ -44,18 +49,11 @@ class FilteredTextures:
 
     @classmethod
     def build(
-        cls, mitsuba: Any, drjit: Any, pyramids: Sequence[Sequence[Array]], view: View
+        cls, mitsuba: Any, drjit: Any, images: Iterable[Images], view: View
     ) -> FilteredTextures:
-        """Upload pyramids.
-
-        Parameters
-        ----------
-        mitsuba, drjit : module
-            With a variant set.
-        pyramids : sequence of sequence of array, shape (h, w, 4)
-            From `premultiplied_pyramid`; all sides are powers of two.
-        view : View
-        """
+        """Upload the pyramids of `images`, which are numbered from 0."""
+        images = list(images)
+        pyramids = [premultiplied_pyramid(one) for one in images]
         levels = np.array([len(pyramid) for pyramid in pyramids])
         counts = np.zeros((len(pyramids), levels.max()), dtype=np.int64)
         for number, pyramid in enumerate(pyramids):
@@ -65,6 +63,9 @@ class FilteredTextures:
         tables: dict[str, Any] = {
             "width": sizes[:, 1], "height": sizes[:, 0], "levels": levels, "first": first
         }  # fmt: skip
+        if any(one.wrap != (Wrap.CLAMP, Wrap.CLAMP) for one in images):
+            wraps = np.array([[WRAPS.index(wrap) for wrap in one.wrap] for one in images])
+            tables |= {"wrap_u": wraps[:, 0], "wrap_v": wraps[:, 1]}
         texels = np.concatenate([image.reshape(-1, 4) for one in pyramids for image in one])
         found: Any = texels
         if not mitsuba.variant().startswith("scalar"):
@@ -111,14 +112,15 @@ class FilteredTextures:
         offset = si.p - mitsuba.Point3f(*map(float, camera.position))
         distance = -drjit.dot(offset, back)
         # At unit distance along the view axis. Its derivative by the film position is right or up.
-        forward = offset / distance
+        forward = -back if camera.orthographic else offset / distance
         facing = drjit.dot(si.n, forward)
         facing = drjit.select(drjit.abs(facing) < 1e-6, 1e-6, facing)
+        shown = 1.0 if camera.orthographic else distance
         size = [mitsuba.Float(self._entry(name, number, active)) for name in ("width", "height")]
         squared = []
         for axis, step in zip((right, up), self.view.step, strict=True):
             on_plane = axis - forward * (drjit.dot(si.n, axis) / facing)
-            squared.append(self._texels_squared(si, size, on_plane * (distance * step)))
+            squared.append(self._texels_squared(si, size, on_plane * (shown * step)))
         widest = drjit.maximum(drjit.maximum(squared[0], squared[1]), 1e-20)
         return drjit.maximum(0.5 * drjit.log2(widest), 0.0)
 
@@ -135,18 +137,20 @@ class FilteredTextures:
         return du * du + dv * dv
 
     def _level(self, uv: Any, number: Any, level: Any, active: Any) -> list[Any]:
-        """Interpolate between the four nearest texels of a level; edges repeat."""
+        """Interpolate between the four nearest texels of a level."""
         drjit, mitsuba = self.drjit, self.mitsuba
         first = self._entry("first", number * self.most_levels + level, active)
         wide, tall = (
             drjit.maximum(self._entry(name, number, active) >> level, mitsuba.UInt32(1))
             for name in ("width", "height")
         )
-        x = drjit.clip(uv.x * wide, 0.5, mitsuba.Float(wide) - 0.5) - 0.5
-        y = drjit.clip((1 - uv.y) * tall, 0.5, mitsuba.Float(tall) - 0.5) - 0.5
-        left, top = mitsuba.UInt32(x), mitsuba.UInt32(y)
-        right, bottom = drjit.minimum(left + 1, wide - 1), drjit.minimum(top + 1, tall - 1)
-        across, down = x - left, y - top
+        u, v = uv.x, uv.y
+        around = [mitsuba.Bool(False)] * 2
+        if "wrap_u" in self.tables:
+            u, around[0] = self._folded(u, self._entry("wrap_u", number, active))
+            v, around[1] = self._folded(v, self._entry("wrap_v", number, active))
+        left, right, across = self._neighbors(u, wide, around[0])
+        top, bottom, down = self._neighbors(1 - v, tall, around[1])
 
         def row(number: Any) -> list[Any]:
             start = first + number * wide
@@ -154,6 +158,32 @@ class FilteredTextures:
             return [a + across * (b - a) for a, b in zip(*pair, strict=True)]
 
         return [a + down * (b - a) for a, b in zip(row(top), row(bottom), strict=True)]
+
+    def _folded(self, place: Any, wrap: Any) -> tuple[Any, Any]:
+        """Return a coordinate within [0, 1] unless it is clamped, and whether it wraps around."""
+        drjit, select = self.drjit, self.drjit.select
+        around = wrap == WRAPS.index(Wrap.REPEAT)
+        mirrored = drjit.abs(place - 2 * drjit.round(place / 2))
+        place = select(wrap == WRAPS.index(Wrap.MIRROR), mirrored, place)
+        return select(around, place - drjit.floor(place), place), around
+
+    def _neighbors(self, place: Any, count: Any, around: Any) -> tuple[Any, Any, Any]:
+        """Return the two texels around a place on an axis, and the part of the second one."""
+        drjit, mitsuba = self.drjit, self.mitsuba
+        at = drjit.clip(place * count, 0.5, mitsuba.Float(count) - 0.5) - 0.5
+        low = mitsuba.UInt32(at)
+        high = drjit.minimum(low + 1, count - 1)
+        if "wrap_u" not in self.tables:
+            return low, high, at - low
+        select = drjit.select
+        free = place * count - 0.5
+        start = drjit.floor(free)
+        first = mitsuba.UInt32(select(start < 0, start + count, start))
+        after = (first + 1) % count
+        return (
+            select(around, first, low), select(around, after, high),
+            select(around, free - start, at - low),
+        )  # fmt: skip
 
     def _texel(self, index: Any, active: Any) -> list[Any]:
         if isinstance(self.texels, np.ndarray):

@@ -1,4 +1,4 @@
-"""The pinhole camera as rays through the centers of the sub-pixel grid that OpenGL samples, too."""
+"""The camera as rays through the centers of the sub-pixel grid that OpenGL samples, too."""
 
 from __future__ import annotations
 
@@ -29,8 +29,11 @@ class View:
 
     @property
     def step(self) -> tuple[float, float]:
-        """Distance between sub-pixels to the right and up, on the plane one meter in front."""
-        tall = 2 * math.tan(self.camera.fov_y / 2)
+        """Distance between sub-pixels to the right and up, on the plane one meter in front.
+
+        On any plane, if the camera is orthographic.
+        """
+        tall = self.camera.span
         return tall * (self.width / self.height) / self.width, tall / self.height
 
     def rays(
@@ -50,7 +53,11 @@ class View:
         step_x, step_y = self.step
         x = (index % self.width + 0.5 - self.width / 2) * step_x
         y = (self.height / 2 - index // self.width - 0.5) * step_y
-        forward = x[:, None] * right + y[:, None] * up - back
+        aside = x[:, None] * right + y[:, None] * up
+        if self.camera.orthographic:
+            starts = np.asarray(self.camera.position) + aside - self.camera.near * back
+            return starts, np.broadcast_to(-back, starts.shape)
+        forward = aside - back
         origins = np.asarray(self.camera.position) + self.camera.near * forward
         return origins, forward / np.linalg.norm(forward, axis=1, keepdims=True)
 

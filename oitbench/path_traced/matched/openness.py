@@ -77,7 +77,7 @@ class Openness:
         drjit = self._drjit
 
         def step(line: Line, part: Any, active: Any) -> tuple[Any, ...]:
-            hit = self._surfaces.intersect(line, active, self._radius)
+            hit = self._surfaces.intersect(line, active, self._radius, to_light=True)
             part = drjit.select(hit.fresh, part * hit.layer.transmittance, part)
             line = line.onward(drjit, hit, hit.valid)
             return line, part, hit.valid & drjit.any(part > 0)

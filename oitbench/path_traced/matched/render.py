@@ -96,7 +96,7 @@ def matched(
         )
     running = scene.effects if effects is None else scene.effects & effects
     random = is_random(scene, running)
-    scene = scene.near_origin()
+    scene = scene.resolved(size[1] * ssaa).near_origin()
     mitsuba = llvm.load()
     require_wide(scene, mitsuba)
     view = View(scene.camera, size[0] * ssaa, size[1] * ssaa)

@@ -59,7 +59,7 @@ class BeamVisibility:
         drjit, mitsuba = self._drjit, self._mitsuba
 
         def step(line: Line, part: Any, active: Any) -> tuple[Any, ...]:
-            hit = self._surfaces.intersect(line, active, limit)
+            hit = self._surfaces.intersect(line, active, limit, to_light=True)
             part = drjit.select(hit.fresh, part * self._passing(hit), part)
             line = line.onward(drjit, hit, hit.valid)
             return line, part, hit.valid & drjit.any(part > FAINT)

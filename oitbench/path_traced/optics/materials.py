@@ -9,9 +9,9 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
-from oitbench.scene import RGB, Material, Mesh, Object
+from oitbench.scene import RGB, Material, Object
+from oitbench.scene.solids import mean_chord
+from oitbench.scene.texturing import constant
 
 HALF_SPREAD = 0.25
 """k₀ of McGuire & Mara 2017, equation 7, in meters."""
@@ -46,19 +46,6 @@ def interface_roughness(material: Material) -> float:
     return min(1.0, spread(material.collimation) / 2 / max(material.index - 1, LEAST_BEND))
 
 
-def mean_chord(mesh: Mesh) -> float:
-    """Return the mean length of the chords through a closed mesh, 4V/S (Cauchy), in meters.
-
-    It is 0 for a mesh without area.
-    """
-    corners = mesh.positions[mesh.triangles]
-    corners = corners - corners.mean(axis=(0, 1))
-    cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    surface = float(np.linalg.norm(cross, axis=1).sum()) / 2
-    volume = abs(float((corners[:, 0] * cross).sum())) / 6
-    return 4 * volume / surface if surface > 0 else 0.0
-
-
 def absorption(item: Object) -> RGB:
     """Return the absorption coefficient σ of a refracting solid, m⁻¹ for each channel.
 
@@ -66,6 +53,7 @@ def absorption(item: Object) -> RGB:
     """
     length = mean_chord(item.mesh)
     red, green, blue = (
-        -2 * math.log(max(part, LEAST_TRANSMISSION)) / length for part in item.material.transmission
+        -2 * math.log(max(part, LEAST_TRANSMISSION)) / length
+        for part in constant(item.material.transmission)
     )
     return red, green, blue

@@ -8,12 +8,13 @@ from typing import Any
 
 import numpy as np
 
-from oitbench.path_traced.export.shapes import SOLIDS, solids
+from oitbench.path_traced.export.shapes import SOLIDS, layout, solids
 from oitbench.path_traced.optics.advance import NO_FACE, STEP
 from oitbench.path_traced.optics.materials import interface_roughness
 from oitbench.path_traced.optics.reflection import meet_interface
 from oitbench.path_traced.optics.solids import Meeting, Solids
 from oitbench.scene import Floats, Scene
+from oitbench.scene.texturing import constant
 
 DEPTH = 32
 """Largest number of surfaces that a photon hits."""
@@ -31,6 +32,8 @@ class Interiors:
         Rank of the solid that each face bounds, 0 for a film.
     facets : Float or None
         Roughness α of the Beckmann microfacets of each rank; None if all solids are smooth.
+    culled : Bool or None
+        Whether each face is a film without a back; None if there is none.
     kept : Float
         1 − albedo of each rank, three channels: the part of the light that enters.
     solids : Solids
@@ -40,6 +43,7 @@ class Interiors:
     offsets: Any
     ranks: Any
     facets: Any
+    culled: Any
     kept: Any
     solids: Solids
 
@@ -59,10 +63,13 @@ class Interiors:
             raise ValueError(f"the Mitsuba scene has no shape {SOLIDS}; export the same scene")
         found, by_name = Solids.build(mitsuba, drjit, scene, start)
         numbers, counts, ranks = [], [], []
+        groups, culled = layout(scene), [np.zeros(0, dtype=bool)]
         for shape in content.shapes():
             number = drjit.reinterpret_array(mitsuba.UInt32, mitsuba.ShapePtr(shape))
             numbers.append(int(number.numpy()[0]))
             counts.append(shape.primitive_count())
+            group = groups.get(shape.id(), ())
+            culled += [np.full(len(item.mesh.triangles), item.material.culled) for item in group]
             if shape.id() == SOLIDS:
                 values = [by_name[item.name] for item in items]
                 sizes = [len(item.mesh.triangles) for item in items]
@@ -74,11 +81,12 @@ class Interiors:
         facets, kept = np.zeros(len(by_name) + 1), np.ones((len(by_name) + 1, 3))
         for item in items:
             facets[by_name[item.name]] = interface_roughness(item.material)
-            kept[by_name[item.name]] -= item.material.albedo
+            kept[by_name[item.name]] -= constant(item.material.albedo)
         return cls(
             mitsuba.UInt32(offsets),
             mitsuba.UInt32(np.concatenate(ranks)),
             mitsuba.Float(facets.astype(np.float32)) if facets.any() else None,
+            mitsuba.Bool(np.concatenate(culled)) if np.concatenate(culled).any() else None,
             mitsuba.Float(kept.astype(np.float32).ravel()),
             found,
         )
@@ -141,6 +149,8 @@ class PhotonPaths:
             met = inner.solids.meet(nest, rank, outside, rank > 0)
             crossed = (rank > 0) & ~met.hidden
             arriving = drjit.select(valid, power * inner.solids.passing(nest, si.t, valid), 0)
+            if inner.culled is not None:
+                film = film & (outside | ~drjit.gather(mitsuba.Bool, inner.culled, face, fresh))
             received = bent & film & drjit.any(arriving > 0)
             d, part = self._refract(si, ray.d, met, rank, index, depth)
             d = drjit.select(crossed, d, ray.d)

@@ -32,6 +32,7 @@ from oitbench.path_traced.references.wanted import Wanted
 from oitbench.path_traced.trace.render import Progress
 from oitbench.path_traced.version import TRACER
 from oitbench.scene import Scene
+from oitbench.views import selection
 
 
 @dataclass(frozen=True)
@@ -81,7 +82,7 @@ def find(wanted: Wanted, folders: Iterable[Path]) -> Found:
         stale = stale or (folder, found)
         messages.append(
             f"{folder / wanted.key}: {changed} has changed since this reference was rendered; run"
-            f" 'oitbench reference {wanted.label}'"
+            f" 'oitbench reference {selection(wanted.label, wanted.view)}'"
         )
     return Found(None, "; ".join(messages), stale)
 

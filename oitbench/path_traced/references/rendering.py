@@ -22,6 +22,7 @@ from oitbench.path_traced.trace.samples import default_samples
 from oitbench.path_traced.version import TRACER
 from oitbench.scene import Scene
 from oitbench.truths import MATCHED
+from oitbench.views import seen
 
 _Result = TypeVar("_Result")
 
@@ -101,6 +102,7 @@ def plan_rendering(wanted: Wanted, spp: int | None = None, seed: int = 1) -> Ren
         tracer=TRACER,
         mitsuba=str(llvm.backend().mitsuba),
         fingerprint=scene_fingerprint(scene),
+        view=wanted.view,
     )
 
 
@@ -122,7 +124,7 @@ def render_reference(
         As `trace.render.render` does.
     """
     start = time.perf_counter()
-    label = f"tracing {rendering.scene} ({rendering.truth})"
+    label = f"tracing {seen(rendering.scene, rendering.view)} ({rendering.truth})"
     if rendering.truth == MATCHED:
         parts = _with_bar(label, lambda show: _render_parts(scene, rendering, show), progress)
         floor = noise_floor(parts, scene.exposure)

@@ -27,6 +27,7 @@ from oitbench.filenames import file_name
 from oitbench.image import files, stored
 from oitbench.image.files import Image
 from oitbench.image.stored import StoredImage
+from oitbench.views import MAIN, seen, selection
 
 FOLDER = "reference"
 """The folder of a collection that holds its references."""
@@ -37,9 +38,13 @@ _LOCK = ".lock"
 
 
 def reference_key(
-    label: str, size: tuple[int, int], truth: str, left_out: Iterable[str] = ()
+    label: str,
+    size: tuple[int, int],
+    truth: str,
+    left_out: Iterable[str] = (),
+    view: str = MAIN,
 ) -> str:
-    """Return the name of a reference, as in `tumblers@256x256.matched-refraction`.
+    """Return the name of a reference, as in `tumblers@above@256x256.matched-refraction`.
 
     Parameters
     ----------
@@ -51,12 +56,14 @@ def reference_key(
         MATCHED or FULL.
     left_out : iterable of str
         Names of effects that the scene requests and that do not run.
+    view : str
+        Not part of the name if it is the main one.
     """
     without = "".join(f"-{name.lower()}" for name in left_out)
-    return f"{label}@{size[0]}x{size[1]}.{truth}{without}"
+    return f"{seen(label, view)}@{size[0]}x{size[1]}.{truth}{without}"
 
 
-class Rendering(Struct, frozen=True, forbid_unknown_fields=True):
+class Rendering(Struct, frozen=True, forbid_unknown_fields=True, omit_defaults=True):
     """How a reference was rendered; two equal renderings are one picture.
 
     Parameters
@@ -81,7 +88,9 @@ class Rendering(Struct, frozen=True, forbid_unknown_fields=True):
     mitsuba : str
         Version of Mitsuba.
     fingerprint : str
-        Fingerprint of the scene.
+        Fingerprint of the scene as seen from the view.
+    view : str
+        Name of the camera; not stored if it is the main one.
     """
 
     scene: str
@@ -96,16 +105,17 @@ class Rendering(Struct, frozen=True, forbid_unknown_fields=True):
     tracer: int
     mitsuba: str
     fingerprint: str
+    view: str = MAIN
 
     @property
     def key(self) -> str:
         """The name of the reference in a manifest."""
-        return reference_key(self.scene, self.size, self.truth, self.left_out)
+        return reference_key(self.scene, self.size, self.truth, self.left_out, self.view)
 
     @property
     def digest(self) -> str:
-        """A digest of everything but the label: 32 hexadecimal digits."""
-        content = msgspec.json.encode(msgspec.structs.replace(self, scene=""))
+        """A digest of everything but the label and the view's name: 32 hexadecimal digits."""
+        content = msgspec.json.encode(msgspec.structs.replace(self, scene="", view=MAIN))
         return hashlib.sha256(content).hexdigest()[:32]
 
 
@@ -267,7 +277,8 @@ def read(folder: Path, key: str) -> Reference | None:
     if key not in entries:
         return None
     info = _parse(key, entries[key])
-    fix = f"restore it, or run 'oitbench reference {key.rpartition('@')[0]}'"
+    scene, _, view = key.rpartition("@")[0].partition("@")
+    fix = f"restore it, or run 'oitbench reference {selection(scene, view or MAIN)}'"
     if info is None:
         raise UsageError(f"{folder / MANIFEST}: entry {key} is damaged; {fix}")
     try:

@@ -8,6 +8,7 @@ from oitbench.effects import Effect, names
 from oitbench.path_traced.references.storage import reference_key
 from oitbench.scene import Scene
 from oitbench.truths import FULL, MATCHED, traced_effects
+from oitbench.views import MAIN
 
 REFRACTED_SSAA = 8
 """Least side of the sub-pixel grid of matched refraction, which aliases on a coarser one: sharp
@@ -21,6 +22,7 @@ class Wanted:
     Parameters
     ----------
     scene : Scene
+        As seen from the view.
     label : str
         The canonical label of the scene.
     size : (int, int)
@@ -31,6 +33,8 @@ class Wanted:
         MATCHED or FULL.
     chosen : Effect
         Effects that are not left out. Full path tracing leaves none out.
+    view : str
+        Name of the camera of `scene`.
     """
 
     scene: Scene
@@ -39,6 +43,7 @@ class Wanted:
     ssaa: int
     truth: str = MATCHED
     chosen: Effect = ~Effect.NONE
+    view: str = MAIN
 
     @property
     def effects(self) -> Effect:
@@ -60,4 +65,4 @@ class Wanted:
     @property
     def key(self) -> str:
         """The name of the reference in a manifest."""
-        return reference_key(self.label, self.size, self.truth, self.left_out)
+        return reference_key(self.label, self.size, self.truth, self.left_out, self.view)

@@ -19,6 +19,7 @@ from oitbench.path_traced.trace.render import Progress
 from oitbench.places import Places
 from oitbench.plugins import Collection
 from oitbench.scene import Scene
+from oitbench.views import MAIN
 from oitbench.workers.messages import Step
 from oitbench.workers.serve import OnStep, serve
 
@@ -26,16 +27,18 @@ _BUILDING, _TRACING = Step("building the scene"), Step("path tracing the scene")
 
 
 class Settings(Struct, frozen=True):
-    """All collection folders."""
+    """All collection folders, and files that are scenes."""
 
     collections: list[bytes]
+    scenes: list[bytes]
 
 
 class Job(Struct, frozen=True):
     """One reference to render or to check.
 
     `scene` is a canonical label, `truth` MATCHED or FULL, `ssaa` the side of the sub-pixel grid of
-    the pictures to compare, and `left_out` has names of effects that do not run.
+    the pictures to compare, `left_out` has names of effects that do not run, and `view` is the name
+    of a camera.
     """
 
     scene: str
@@ -43,11 +46,12 @@ class Job(Struct, frozen=True):
     ssaa: int
     truth: str
     left_out: tuple[str, ...] = ()
+    view: str = MAIN
 
     def wanted(self, scene: Scene) -> Wanted:
-        """Return the reference of `scene`, which has been built, that the job is about."""
+        """Return the reference of `scene`, as seen from the view, that the job is about."""
         gone = effects_of(self.left_out)
-        return Wanted(scene, self.scene, self.size, self.ssaa, self.truth, ~gone)
+        return Wanted(scene, self.scene, self.size, self.ssaa, self.truth, ~gone, self.view)
 
 
 class RenderReference(Struct, frozen=True, tag=True):
@@ -113,7 +117,9 @@ Reply = ReferenceRendered | ReferenceChecked
 
 
 def _begin(settings: Settings, on_step: OnStep) -> Callable[[Request], Reply]:
-    collection = Collection(Places(map(_path, settings.collections)))
+    collection = Collection(
+        Places(map(_path, settings.collections), (), map(_path, settings.scenes))
+    )
 
     def progress(done: int, count: int) -> None:
         # Each sample is a step, so that long renderings are not taken for endless ones.
@@ -121,7 +127,7 @@ def _begin(settings: Settings, on_step: OnStep) -> Callable[[Request], Reply]:
 
     def answer(request: Request) -> Reply:
         on_step(_BUILDING)
-        scene = collection.build_scene(request.job.scene)
+        scene = collection.build_scene(request.job.scene).from_view(request.job.view)
         on_step(_TRACING)
         if isinstance(request, RenderReference):
             return _render(scene, request, progress)

@@ -171,7 +171,7 @@ class LightSampler:
         drjit, mitsuba = self._drjit, self._mitsuba
 
         def step(line: Line, part: Any, active: Any) -> tuple[Any, ...]:
-            hit = self._surfaces.intersect(line, active, limit)
+            hit = self._surfaces.intersect(line, active, limit, to_light=True)
             part = drjit.select(hit.fresh, part * self._film_transmittance(hit), part)
             line = line.onward(drjit, hit, hit.valid)
             return line, part, hit.valid & drjit.any(part > 0)
@@ -211,7 +211,7 @@ class LightSampler:
         def step(
             line: Line, throughput: Any, bounces: Any, rng: Any, active: Any
         ) -> tuple[Any, ...]:
-            hit, start = self._surfaces.intersect(line, active), line
+            hit, start = self._surfaces.intersect(line, active, to_light=True), line
             end = hit.at
             collides = mitsuba.Bool(False)
             if medium is not None:

@@ -41,7 +41,7 @@ def is_random(scene: Scene) -> bool:
     """Return whether paths in `scene` need random numbers, for directions or to look for light."""
     materials = [item.material for item in scene.objects]
     passing = [item.material for item in scene.transparent]
-    diffuse = any(any(material.albedo) for material in materials)
+    diffuse = any(material.diffuse for material in materials)
     return (
         scene.medium is not None
         or any(material.reflectance > 0 and not material.isotropic for material in materials)

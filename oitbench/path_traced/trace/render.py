@@ -99,7 +99,7 @@ def render(
         If the radiance of a ray is not finite.
     """
     _check(size, ssaa, spp)
-    scene = scene.near_origin()
+    scene = scene.resolved(size[1] * ssaa).near_origin()
     mitsuba = llvm.load(variant)
     view = View(scene.camera, size[0] * ssaa, size[1] * ssaa)
     content, make = prepare(scene, view, mitsuba, seed)

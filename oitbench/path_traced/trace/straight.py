@@ -63,6 +63,7 @@ class Straight:
             inside = (_on_edge(drjit, ahead) & _on_edge(drjit, twin)) ^ True
             fresh = active & twin.is_valid() & inside & _none_of(twin, (*known, *_identity(ahead)))
             behind = twin.compute_surface_interaction(back, active=fresh)
+            behind.wi = -behind.wi  # It, too, is seen along the line.
             light, throughput = self._cross(behind, fresh, light, throughput)
             active = active & drjit.any(throughput > 0)
             return active, light, throughput, distance, (*_identity(ahead), *_identity(twin))

@@ -15,7 +15,7 @@ import numpy.typing as npt
 
 from oitbench.path_traced.export.film import LIGHT
 from oitbench.path_traced.export.scene import ExportedScene
-from oitbench.path_traced.export.texture import FilteredTextures
+from oitbench.path_traced.export.variation import Variation
 from oitbench.path_traced.export.view import View
 from oitbench.path_traced.optics.advance import NO_FACE, STEP
 from oitbench.path_traced.optics.materials import interface_roughness, spread
@@ -23,7 +23,10 @@ from oitbench.path_traced.optics.reflection import schlick
 from oitbench.path_traced.optics.solids import Solids
 from oitbench.path_traced.trace.hits import Hit, Layer, Line
 from oitbench.scene import BLACK, Object, Texture
-from oitbench.scene.texturing import constants_of
+from oitbench.scene.texturing import constant, constants_of
+
+VARIED = "varied "
+"""Prefix of the columns of `Variation` among those of `Surfaces`."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,7 +46,8 @@ class Surfaces:
         Number of the object of each face.
     tables : dict of str to Float
         One column of values for each property, by object.
-    textures : FilteredTextures or None
+    variation : Variation
+        What varies over surfaces.
     solids : Solids or None
         None if solids are sheets to the lines.
     has : frozenset of str
@@ -57,7 +61,7 @@ class Surfaces:
     offsets: Any
     rows: Any
     tables: dict[str, Any]
-    textures: FilteredTextures | None
+    variation: Variation
     solids: Solids | None
     has: frozenset[str]
 
@@ -83,7 +87,7 @@ class Surfaces:
             offsets[numbers[name]] = first
             for item in group:
                 faces.append(len(item.mesh.triangles))
-                columns.append(_values(item, exported.texture_of(item.material)))
+                columns.append(_values(item, exported.variation))
                 first += faces[-1]
         tables = {name: np.stack([column[name] for column in columns]) for name in columns[0]}
         solids = None
@@ -100,13 +104,19 @@ class Surfaces:
             mitsuba.UInt32(offsets),
             mitsuba.UInt32(np.repeat(np.arange(len(faces), dtype=np.uint32), faces)),
             {name: mitsuba.Float(values.ravel()) for name, values in tables.items()},
-            exported.textures,
+            exported.variation,
             solids,
             frozenset(name for name, values in tables.items() if values.any()),
         )
 
-    def intersect(self, line: Line, active: Any, limit: Any = math.inf) -> Hit:
-        """Return the next hit of `line`, before `limit` meters along it."""
+    def intersect(
+        self, line: Line, active: Any, limit: Any = math.inf, to_light: bool = False
+    ) -> Hit:
+        """Return the next hit of `line`, before `limit` meters along it.
+
+        `to_light` says that light comes along the line, from its end: it passes culled surfaces at
+        whose backs it arrives, not those whose backs the line meets.
+        """
         mitsuba, drjit = self.mitsuba, self.drjit
         start = mitsuba.Ray3f(line.o + line.d * line.along, line.d)
         start.maxt = drjit.maximum(limit - line.along, 0)
@@ -130,7 +140,11 @@ class Surfaces:
             met = self.solids.meet(line.nest, rank, outside, fresh & (rank > 0))
             inner, before, behind, index = met.inner, met.before, met.behind, met.index
             fresh = fresh & ~met.hidden
-        layer = self._layer(si, row, -drjit.dot(n, line.d), inner & outside, index, fresh)
+        front = outside ^ to_light
+        layer = self._layer(si, row, -drjit.dot(n, line.d), front, inner & outside, index, fresh)
+        if self.has & {VARIED + "threshold", VARIED + "culled"}:
+            # Where a surface is not drawn, there is none.
+            fresh = fresh & (layer.coverage > 0)
         at = drjit.select(valid, reach, drjit.inf)
         return Hit(valid, fresh, at, beyond, face, si, n, outside, inner, before, behind, layer)
 
@@ -152,16 +166,28 @@ class Surfaces:
         return self.solids.passing(line.nest, end - line.along, there)
 
     def _layer(
-        self, si: Any, row: Any, cosine: Any, nested: Any, relative: Any, active: Any
+        self,
+        si: Any,
+        row: Any,
+        cosine: Any,
+        front: Any,
+        nested: Any,
+        relative: Any,
+        active: Any,
     ) -> Layer:
-        """Return the material of object `row`.
+        """Return the material of object `row`, which sight or light meets from its `front`.
 
         Where `nested`, the surface lies inside of a solid, and F₀ follows from the index
         `relative`.
         """
         drjit = self.drjit
         color, number = self._color, self._number
-        coverage, light = self._coverage_and_light(si, row, active)
+        columns = self.variation.columns
+        numbers = {name: number(VARIED + name, row, active) for name in columns}
+        factors = self.variation.at(si, numbers, front, active)
+        coverage, light = number("coverage", row, active), self._light(si, active)
+        transmission, albedo = (color(one, row, active) for one in ("transmission", "albedo"))
+        roughness = number("roughness", row, active)
         reflectance = number("reflectance", row, active)
         refracts = number("refracts", row, active) > 0
         index = number("index", row, active)
@@ -173,13 +199,13 @@ class Surfaces:
         if "reflectance" in self.has:
             fresnel = schlick(self.drjit, reflectance, cosine)
         return Layer(
-            coverage=coverage,
-            light=light,
-            transmission=color("transmission", row, active),
-            albedo=color("albedo", row, active),
+            coverage=_times(coverage, factors.coverage),
+            light=_times(light, factors.light),
+            transmission=_times(transmission, factors.transmission),
+            albedo=_times(albedo, factors.albedo),
             fresnel=fresnel,
             reflectance=reflectance,
-            roughness=number("roughness", row, active),
+            roughness=_times(roughness, factors.roughness),
             opaque=number("opaque", row, active) > 0,
             isotropic=number("isotropic", row, active) > 0,
             unshadowed=number("unshadowed", row, active) > 0,
@@ -189,18 +215,11 @@ class Surfaces:
             spread=number("spread", row, active),
         )
 
-    def _coverage_and_light(self, si: Any, row: Any, active: Any) -> tuple[Any, Any]:
-        """Return α and α·L, which a texture may give."""
-        mitsuba = self.mitsuba
-        coverage = self._number("coverage", row, active)
-        light = mitsuba.Color3f(0)
-        if "glows" in self.has:
-            light = mitsuba.Color3f(si.shape.eval_attribute_3(LIGHT, si, active))
-        if self.textures is not None:
-            number = mitsuba.UInt32(self._number("texture", row, active))
-            *glow, alpha = self.textures.factors(si, number, active)
-            coverage, light = coverage * alpha, light * mitsuba.Color3f(*glow)
-        return coverage, light
+    def _light(self, si: Any, active: Any) -> Any:
+        """Return α·L without factors."""
+        if "glows" not in self.has:
+            return self.mitsuba.Color3f(0)
+        return self.mitsuba.Color3f(si.shape.eval_attribute_3(LIGHT, si, active))
 
     def _number(self, name: str, row: Any, active: Any) -> Any:
         if name not in self.has:
@@ -213,27 +232,28 @@ class Surfaces:
         return self.drjit.gather(self.mitsuba.Color3f, self.tables[name], row, active)
 
 
-def _values(item: Object, texture: int) -> dict[str, npt.NDArray[np.float32]]:
-    """Return the properties of an object by column; properties that do not apply are zero.
+def _times(value: Any, factor: Any) -> Any:
+    return value if factor is None else value * factor
 
-    `texture` is the number of its texture plus one, or 0.
-    """
+
+def _values(item: Object, variation: Variation) -> dict[str, npt.NDArray[np.float32]]:
+    """Return the properties of an object by column; properties that do not apply are zero."""
     material = item.material
-    refracts = material.refracts and not material.opaque
+    refracts = material.refracts and not item.opaque
     values: dict[str, Any] = {
         "coverage": constants_of(material)[1],
         "glows": isinstance(material.emission, Texture) or material.emission != BLACK,
-        "transmission": material.transmission,
-        "albedo": material.albedo,
+        "transmission": constant(material.transmission),
+        "albedo": constant(material.albedo),
         "reflectance": 0 if material.isotropic else material.reflectance,
-        "roughness": material.roughness,
-        "opaque": material.opaque,
+        "roughness": 1 if isinstance(material.roughness, Texture) else material.roughness,
+        "opaque": item.opaque,
         "isotropic": material.isotropic,
         "unshadowed": not item.receives_shadows,
         "refracts": refracts,
         "index": material.index,
         "facets": interface_roughness(material) if refracts else 0,
-        "spread": 0 if material.opaque else spread(material.collimation),
-        "texture": texture,
+        "spread": 0 if item.opaque else spread(material.collimation),
     }
+    values |= {VARIED + name: number for name, number in variation.row(material).items()}
     return {name: np.asarray(value, dtype=np.float32) for name, value in values.items()}

@@ -78,9 +78,9 @@ def rays(monkeypatch: pytest.MonkeyPatch) -> Callable[[Scene, Effect], int]:
     counts: list[None] = []
     intersect = Surfaces.intersect
 
-    def counted(*arguments: Any) -> Any:
+    def counted(*arguments: Any, **options: Any) -> Any:
         counts.append(None)
-        return intersect(*arguments)
+        return intersect(*arguments, **options)
 
     monkeypatch.setattr(Surfaces, "intersect", counted)
 

@@ -20,6 +20,7 @@ from oitbench.scene import (
     SpotLight,
     unit,
 )
+from oitbench.scene.texturing import constant
 from tests.models import environment as model
 from tests.path_traced.agreement import needs_mitsuba
 from tests.path_traced.matched.scenes import ABOVE, PAPER, SIZE, SUN, floor, image
@@ -57,7 +58,9 @@ def test_a_shadow_is_colored_by_each_pane() -> None:
     first, second = (pane.material for pane in PANES)
     fresnel = 0.04 + 0.96 * (1 - cosine) ** 5
     passed = np.asarray(first.transmission) * (1 - fresnel)
-    passed *= 0.3 + 0.7 * np.multiply(second.transmission, np.subtract(1, second.albedo))
+    passed *= 0.3 + 0.7 * np.multiply(
+        constant(second.transmission), np.subtract(1, constant(second.albedo))
+    )
     scene = Scene("panes", ABOVE, (MATTE, *PANES), lights=(SUN,))
     np.testing.assert_allclose(image(scene), np.tile(clear * passed, (30, 1)), rtol=1e-4)
 

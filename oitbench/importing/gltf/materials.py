@@ -1,0 +1,324 @@
+"""Materials of a glTF file; CONVENTIONS.md has the table of what becomes of each property."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from oitbench.importing.gltf import extensions as known
+from oitbench.importing.gltf.document import Document
+from oitbench.importing.gltf.schema import Material as Described
+from oitbench.importing.gltf.schema import TextureInfo
+from oitbench.importing.gltf.textures import Layer, Placement, Textures
+from oitbench.importing.limits import short
+from oitbench.importing.looks import (
+    collimation_of,
+    color,
+    reflectance_of,
+    transmission_of,
+)
+from oitbench.importing.pictures import fractions, linear
+from oitbench.importing.shapes import encloses
+from oitbench.importing.values import Canvas, Values, same_size
+from oitbench.modeling.glass import transmission as through_solid
+from oitbench.scene import BLACK, RGB, Array, Material, Mesh, Object, Texture
+
+_METAL = (
+    "metals: the part of the base color that all channels share is mirrored, the rest is diffuse"
+)
+_GRAY = 0.02
+"""Difference between channels of a metal that is not noted."""
+_EVEN = "solids have the mean of their textures and of their colors at vertices"
+_MEANS = "textures that lie otherwise than the base color, or reflectance, are replaced by means"
+
+
+@dataclass(frozen=True, eq=False)
+class Look:
+    """A material before the mesh is known.
+
+    Parameters
+    ----------
+    material : Material
+        As a thin sheet.
+    placement : Placement, optional
+        Of its textures.
+    unlit : bool
+        Vertex colors are then factors on its emission, else on albedo and transmission.
+    alpha : bool
+        Whether alpha of vertices counts.
+    inside : Volume, optional
+        If light passes a surface that may bound a solid.
+    base_albedo, base_transmission : RGB
+        Means over the surface, before attenuation: those of a solid.
+    hidden : bool
+        Whether nothing is seen of it on any mesh.
+    """
+
+    material: Material
+    placement: Placement | None
+    unlit: bool
+    alpha: bool
+    inside: known.Volume | None
+    base_albedo: RGB = BLACK
+    base_transmission: RGB = BLACK
+    hidden: bool = False
+
+    @property
+    def passes(self) -> bool:
+        """Whether light passes the covered part."""
+        return self.material.transmission != BLACK
+
+
+class Materials:
+    """The looks of a document's materials, each read once."""
+
+    def __init__(self, document: Document) -> None:
+        self._document, self._textures = document, Textures(document)
+        self._looks: dict[int | None, Look] = {}
+
+    def look(self, index: int | None) -> Look:
+        """Return the look of a material; None for the default one."""
+        if index not in self._looks:
+            described = Described()
+            if index is not None:
+                described = self._document.part("material", self._document.gltf.materials, index)
+            name = described.name or ("the default" if index is None else f"material {index}")
+            self._looks[index] = _Reader(self._document, self._textures, described, name).look()
+        return self._looks[index]
+
+    def fitted(self, look: Look, mesh: Mesh, name: str) -> Object | None:
+        """Return the object of a look and a mesh; None if nothing of it can be seen.
+
+        It is a solid if the look has an inside and the mesh is closed.
+        """
+        if look.hidden:
+            return None
+        if look.inside is not None:
+            if encloses(mesh):
+                return self._solid(look, look.inside, mesh, name)
+            self._document.notes.add(
+                "a volume that its mesh does not enclose, with normals outwards, is a thin sheet",
+                name,
+            )
+        material, coverage = look.material, look.material.coverage
+        if mesh.coverage is None and not isinstance(coverage, Texture):
+            if material.cutoff is not None:
+                coverage = float(coverage >= material.cutoff)
+                material = replace(material, coverage=coverage, cutoff=None, binary_coverage=False)
+            if coverage <= 0:
+                return None
+        return Object(name, mesh, material)
+
+    def _solid(self, look: Look, inside: known.Volume, mesh: Mesh, name: str) -> Object:
+        """Return a solid, which has one tint."""
+        material = look.material
+        albedo, tint = look.base_albedo, look.base_transmission
+        if mesh.albedo is not None or mesh.transmission is not None:
+            mean = np.asarray(mesh.albedo).mean(axis=0)
+            albedo, tint = color(np.multiply(albedo, mean)), color(np.multiply(tint, mean))
+            mesh = replace(mesh, albedo=None, transmission=None)
+            self._document.notes.add(_EVEN, name)
+        if isinstance(material.albedo, Texture) or isinstance(material.transmission, Texture):
+            self._document.notes.add(_EVEN, name)
+        if inside.attenuation_distance is not None:
+            passed = through_solid(inside.attenuation_color, inside.attenuation_distance, mesh)
+            tint = color(np.multiply(tint, passed))
+        solid = replace(material, albedo=albedo, transmission=tint, solid=True, culled=False)
+        return Object(name, mesh, solid)
+
+
+class _Reader:
+    """Reads one material."""
+
+    def __init__(
+        self, document: Document, textures: Textures, described: Described, name: str
+    ) -> None:
+        self._notes, self._budget = document.notes, document.budget
+        self._textures, self._described, self._name = textures, described, name
+        self._placement: Placement | None = None
+        for unknown in sorted(described.extensions.keys() - known.KNOWN):
+            self._notes.add(f"{short(unknown)} is ignored")
+        if described.normal_texture is not None:
+            self._notes.add("normal maps are ignored", name)
+        if described.occlusion_texture is not None:
+            self._notes.add("baked occlusion is ignored; oitbench has effects for it", name)
+
+    def look(self) -> Look:
+        """Return the look of the material."""
+        described, pbr = self._described, self._described.pbr_metallic_roughness
+        layer = self._layer(pbr.base_color_texture)
+        factor = np.array(pbr.base_color_factor, dtype=np.float32)
+        base: Values = factor[:3]
+        alpha: Values = factor[3:]
+        if layer is not None:
+            base = base * linear(layer.pixels[..., :3])
+            alpha = alpha * fractions(layer.pixels[..., 3:])
+        material = Material(
+            coverage=1.0 if self._mode == "OPAQUE" else self._canvas().scalar(alpha),
+            cutoff=min(described.alpha_cutoff, 1.0) if self._mode == "MASK" else None,
+            culled=not described.double_sided,
+        )
+        if known.UNLIT in described.extensions:
+            material = replace(
+                material, emission=self._canvas().color(base), specular=0.0, roughness=1.0
+            )
+            return self._finished(material, None, unlit=True)
+        return self._lit(material, base)
+
+    def _lit(self, material: Material, base: Values) -> Look:
+        described, pbr = self._described, self._described.pbr_metallic_roughness
+        metallic = np.array([pbr.metallic_factor], dtype=np.float32)
+        roughness = np.array([pbr.roughness_factor], dtype=np.float32)
+        layer = self._layer(pbr.metallic_roughness_texture)
+        if layer is not None:
+            metallic = metallic * fractions(layer.pixels[..., 2:3])
+            roughness = roughness * fractions(layer.pixels[..., 1:2])
+        passing = self._passing()
+        base, metallic, passing = same_size(base, metallic, passing)
+        passing = passing * (1 - metallic)
+        shared = base.min(axis=-1, keepdims=True)
+        mirrored = float((metallic * shared).mean() / max(float(metallic.mean()), 1e-6))
+        rest = np.maximum(base - mirrored, 0)
+        albedo = base * (1 - metallic) * (1 - passing) + metallic * rest
+        passes = bool(passing.any())
+        index = self._index()
+        specular = self._specular(index, metallic, mirrored)
+        if bool((metallic * rest > _GRAY).any()):
+            self._notes.add(_METAL, self._name)
+        mean = float(roughness.mean())
+        material = replace(
+            material,
+            albedo=self._canvas().color(albedo),
+            emission=self._emission(),
+            roughness=self._canvas().scalar(roughness),
+            index=index,
+            specular=specular,
+            binary_coverage=material.cutoff is not None and not passes,
+        )
+        if not passes:
+            return self._finished(material, None)
+        if roughness.size > 1 and index > 1:
+            self._notes.add("the blur of glass follows its mean roughness", self._name)
+        tint = transmission_of(base * (1 - metallic), passing)
+        glass = replace(
+            material,
+            transmission=self._canvas().color(tint),
+            collimation=collimation_of(mean, index),
+        )
+        return self._finished(glass, described.extension(known.VOLUME, known.Volume))
+
+    def _finished(
+        self, material: Material, volume: known.Volume | None, unlit: bool = False
+    ) -> Look:
+        inside = volume if volume is not None and volume.thickness_factor > 0 else None
+        albedo, tint = _mean(material.albedo), _mean(material.transmission)
+        if inside is not None:
+            if inside.thickness_texture is not None:
+                self._notes.add("maps of thickness are ignored; the factor counts", self._name)
+            if inside.attenuation_distance is not None:
+                depth = inside.thickness_factor / inside.attenuation_distance
+                with np.errstate(all="ignore"):
+                    lost = np.array(inside.attenuation_color, dtype=np.float64) ** depth
+                material = _dimmed(material, lost.astype(np.float32))
+            if material.cutoff is not None:
+                self._notes.add("a volume with a cutoff is a thin sheet", self._name)
+                inside = None
+        hidden = self._mode == "MASK" and self._described.alpha_cutoff > 1
+        alpha = self._mode != "OPAQUE"
+        return Look(material, self._placement, unlit, alpha, inside, albedo, tint, hidden)
+
+    @property
+    def _mode(self) -> str:
+        """The mode of alpha; every coverage reaches a cutoff of 0."""
+        reached = self._described.alpha_mode == "MASK" and self._described.alpha_cutoff == 0
+        return "OPAQUE" if reached else self._described.alpha_mode
+
+    def _index(self) -> float:
+        found = self._described.extension(known.IOR, known.Ior)
+        index = 1.5 if found is None else found.ior
+        if 0 < index < 1:
+            self._notes.add("refractive indices below 1 count as 1", self._name)
+        return max(index, 1.0)
+
+    def _specular(self, index: float, metallic: Values, mirrored: float) -> float | None:
+        """Return F₀, or None if it is that of the index."""
+        ior = self._described.extension(known.IOR, known.Ior)
+        everything = ior is not None and ior.ior == 0
+        found = self._described.extension(known.SPECULAR, known.Specular)
+        if found is None and not metallic.any() and not everything:
+            return None
+        reflectance = 1.0 if everything else reflectance_of(index)
+        if found is not None:
+            strength = found.specular_factor
+            tint = np.array(found.specular_color_factor)
+            alpha, colors = (
+                self._used(found.specular_texture),
+                self._used(found.specular_color_texture),
+            )
+            if alpha is not None:
+                strength *= float(fractions(alpha.pixels[..., 3]).mean())
+            if colors is not None:
+                tint = tint * linear(colors.pixels[..., :3]).mean(axis=(0, 1))
+            if alpha is not None or colors is not None:
+                self._notes.add(_MEANS, self._name)
+            if tint.min() < tint.max():
+                self._notes.add("colored reflectance is gray: the mean of its channels", self._name)
+            reflectance = strength * min(reflectance * float(tint.mean()), 1.0)
+        if metallic.min() < metallic.max():
+            self._notes.add(_MEANS, self._name)
+        part = float(metallic.mean())
+        return float(np.clip((1 - part) * reflectance + part * mirrored, 0, 1))
+
+    def _passing(self) -> Values:
+        """Return the part of the light that passes, before metallic parts are taken off."""
+        found = self._described.extension(known.TRANSMISSION, known.Transmission)
+        if found is None:
+            return np.zeros(1, dtype=np.float32)
+        factor = np.array([found.transmission_factor], dtype=np.float32)
+        layer = self._layer(found.transmission_texture)
+        return factor if layer is None else factor * fractions(layer.pixels[..., :1])
+
+    def _emission(self) -> tuple[float, float, float] | Texture:
+        described = self._described
+        strength = described.extension(known.EMISSIVE_STRENGTH, known.EmissiveStrength)
+        factor = np.array(described.emissive_factor, dtype=np.float32)
+        if strength is not None:
+            factor = factor * np.float32(strength.emissive_strength)
+        layer = self._layer(described.emissive_texture) if factor.any() else None
+        return self._canvas().color(
+            factor if layer is None else factor * linear(layer.pixels[..., :3])
+        )
+
+    def _used(self, info: TextureInfo | None) -> Layer | None:
+        return self._textures.layer(info)
+
+    def _layer(self, info: TextureInfo | None) -> Layer | None:
+        """Return a texture that lies as the others of the material; else its mean."""
+        layer = self._used(info)
+        if layer is None:
+            return None
+        if self._placement is None:
+            self._placement = layer.placement
+        if layer.placement == self._placement:
+            return layer
+        self._notes.add(_MEANS, self._name)
+        mean = layer.pixels.mean(axis=(0, 1), keepdims=True).round().astype(np.uint8)
+        return replace(layer, pixels=mean)
+
+    def _canvas(self) -> Canvas:
+        return Canvas(self._budget, None if self._placement is None else self._placement.wrap)
+
+
+def _dimmed(material: Material, factor: Array) -> Material:
+    """Return a material whose transmission is multiplied by a color."""
+    found = material.transmission
+    if isinstance(found, Texture):
+        return replace(material, transmission=replace(found, texels=found.texels * factor))
+    return replace(material, transmission=color(np.asarray(found) * factor))
+
+
+def _mean(value: RGB | Texture) -> RGB:
+    if not isinstance(value, Texture):
+        return value
+    return color(value.texels.reshape(-1, value.texels.shape[-1]).mean(axis=0))

@@ -1,0 +1,1 @@
+"""Wavefront files: meshes (.obj) and their materials (.mtl)."""

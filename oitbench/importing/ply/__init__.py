@@ -1,0 +1,1 @@
+"""Polygon files (Turk 1994), as text and binary."""
