@@ -22,6 +22,7 @@ VERBS = (
     "list",
     "stability",
     "visibility",
+    "fit",
     "reference",
     "import",
     "report",

@@ -41,11 +41,16 @@ class PixelMeasured(Struct, frozen=True, tag=True):
     """The file is written."""
 
 
-def _begin(settings: Settings, on_step: OnStep) -> Callable[[MeasurePixel], PixelMeasured]:
+def collection_of(settings: Settings) -> Collection:
+    """Return the plugins that the settings name."""
     places = Places(map(_path, settings.collections), (), map(_path, settings.scenes))
     for name, path in settings.methods.items():
         places.methods.add(name, _path(path))
-    collection = Collection(places)
+    return Collection(places)
+
+
+def _begin(settings: Settings, on_step: OnStep) -> Callable[[MeasurePixel], PixelMeasured]:
+    collection = collection_of(settings)
 
     def answer(request: MeasurePixel) -> PixelMeasured:
         on_step(_BUILDING)
