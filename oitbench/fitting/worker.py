@@ -74,10 +74,14 @@ def fit(
     Raises
     ------
     SceneError
-        The parameters change nothing, because no view shows anything transparent.
+        The method is exact in all views, for example because none shows anything transparent.
     """
     (start,) = collection.expand_methods([request.method])
     axes = free_axes(start.name, start.parameters, request.fixed)
+    on_step(Step("measuring the errors at the start"))
+    before = {label: (item.training(start), item.held_out(start)) for label, item in views.items()}
+    if not any(training for training, _ in before.values()):
+        raise SceneError(f"{start.label} is exact in all views; name scenes in which it has errors")
     count = 0
 
     def changed(values: Mapping[str, float]) -> Method:
@@ -91,17 +95,13 @@ def fit(
         return float(np.mean([item.training(method) for item in views.values()]))
 
     best = changed(minimize(axes, start.values, error, request.evaluations))
-    on_step(Step("measuring the errors"))
-    errors = [
-        SceneErrors(
-            label,
-            (item.training(start), item.training(best)),
-            (item.held_out(start), item.held_out(best)),
+    on_step(Step("measuring the errors of the best"))
+    errors = []
+    for label, item in views.items():
+        training, held_out = before[label]
+        errors.append(
+            SceneErrors(label, (training, item.training(best)), (held_out, item.held_out(best)))
         )
-        for label, item in views.items()
-    ]
-    if not any(scene.training[0] for scene in errors):
-        raise SceneError(f"{start.label} is exact in all views; name scenes in which it has errors")
     return Fitted(best.label, count, errors)
 
 
