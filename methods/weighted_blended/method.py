@@ -26,7 +26,7 @@ Known failures: a front layer with alpha = 1 hides the background but not the co
 layers behind it. At w = 3000 the half-float sum saturates after 21 white layers. Weights that reach
 their clamp lose the order (equation 10 beyond 67 near-plane distances). In 8 bits r stalls: layers
 with o < 1/510 never change it, and thicker ones stop at about r = 1/(510 o). A fitted weight holds
-for scenes and distances like those of its fit.
+for scenes and distances like those of its fit: with its defaults it is constant beyond 10.4 m.
 """
 
 import oitbench as oit

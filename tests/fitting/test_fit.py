@@ -79,6 +79,7 @@ def test_a_fit_lowers_the_error_also_on_views_held_out(device: Device) -> None:
 
 
 def test_a_method_without_errors_cannot_be_fitted(device: Device) -> None:
+    behind = Object("pane", quad((0, 0, 50), (1, 0, 0), (0, 1, 0)), Material(0.6, emission=RED))
     asked = request("hybrid[k=4,node=16f]", ["k", "node"])
     with pytest.raises(SceneError, match="is exact in all views"):
-        fitted(device, replace(panes(RED), objects=()), asked)
+        fitted(device, replace(panes(RED), objects=(behind,)), asked)
