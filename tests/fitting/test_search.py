@@ -8,7 +8,7 @@ import pytest
 
 from oitbench.errors import UsageError
 from oitbench.fitting.search import Axis, free_axes, minimize
-from oitbench.parameters import Parameter
+from oitbench.parameters import AnyParameter, Parameter
 
 RATIO, LINE = Axis("ratio", 0.01, 100.0), Axis("line", 0.0, 4.0)
 
@@ -27,7 +27,7 @@ def test_values_have_three_digits_and_stay_in_their_bounds() -> None:
 
 
 def test_decimal_numbers_with_two_bounds_that_are_not_fixed_are_free() -> None:
-    parameters = {
+    parameters: dict[str, AnyParameter] = {
         "a": Parameter(1.0, low=0.5, high=2.0),
         "fixed": Parameter(1.0, low=0.5, high=2.0),
         "open": Parameter(1.0, low=0.5),
