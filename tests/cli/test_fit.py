@@ -10,6 +10,7 @@ from tests.cli.helpers import Call
 from tests.helpers import method
 
 METHOD = "weighted_blended[weight=fitted,far_range=1000,far_power=6]"
+SET = "weighted_blended[weight=fitted,near_range=1.7,near_power=2,far_range=1000,far_power=6]"
 
 
 def test_the_best_label_and_the_errors_of_each_scene_are_printed(call: Call) -> None:
@@ -32,6 +33,7 @@ def test_the_best_label_and_the_errors_of_each_scene_are_printed(call: Call) -> 
     ("chosen", "scene", "message"),
     [
         ("alpha_blend", "layer_stack", "alpha_blend has no parameter to fit"),
+        (SET, "layer_stack", "weighted_blended has no parameter to fit"),
         ("weighted_blended[weight=7,8]", "layer_stack", "selects 2 methods; name one"),
         (METHOD, "fragment_lists", "fragment_lists has no views to hold out"),
         (METHOD, "no_such_scene", "no_such_scene"),
