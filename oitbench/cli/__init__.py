@@ -23,6 +23,7 @@ VERBS = (
     "stability",
     "visibility",
     "motion",
+    "fit",
     "reference",
     "import",
     "report",

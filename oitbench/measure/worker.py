@@ -65,11 +65,16 @@ Request = MeasurePixel | MeasureScene
 Reply = PixelMeasured | SceneMeasured
 
 
-def _begin(settings: Settings, on_step: OnStep) -> Callable[[Request], Reply]:
+def collection_of(settings: Settings) -> Collection:
+    """Return the plugins that the settings name."""
     places = Places(map(_path, settings.collections), (), map(_path, settings.scenes))
     for name, path in settings.methods.items():
         places.methods.add(name, _path(path))
-    collection = Collection(places)
+    return Collection(places)
+
+
+def _begin(settings: Settings, on_step: OnStep) -> Callable[[Request], Reply]:
+    collection = collection_of(settings)
 
     def answer(request: Request) -> Reply:
         on_step(_BUILDING)

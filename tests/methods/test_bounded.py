@@ -6,7 +6,6 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
-import numpy.typing as npt
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -39,12 +38,13 @@ from tests.helpers import (
 )
 from tests.models import bounded as model
 
-Model = Callable[[FragmentLists, npt.ArrayLike, int, str], Floats]
-MODELS: dict[str, Model] = {
+MODELS: dict[str, Callable[..., Floats]] = {
     "k_buffer": model.k_buffer,
     "multilayer_alpha": model.multilayer_alpha,
+    "multilayer_alpha_buckets": model.multilayer_alpha_buckets,
     "hybrid": model.hybrid,
 }
+"""Models take lists, the background, and the parameters of their methods."""
 MOST = {"8-bit": 16, "16f": 8, "32f": 4}
 """Nodes of each format that fit into eight targets."""
 VARIANTS = [
@@ -53,9 +53,16 @@ VARIANTS = [
     for node, most in MOST.items()
     for k in (1, 2, 4, 8, 16)
     if k <= most
-    if name == "k_buffer" or k > 1
+    if name in ("k_buffer", "hybrid") or k > 1
     if name != "hybrid" or (k < 16 and node != "32f")
 ]
+ADMITTING = (
+    "hybrid[k=1,transmittance=exact]",
+    "hybrid[k=2,node=16f,transmittance=exact,admission=0.4]",
+    "hybrid[k=4,admission=0.3]",
+    "multilayer_alpha_buckets[k=4,node=16f,lower=0.5,opaque=0.7]",
+)
+"""Variants with other rules of which layers a node may hold."""
 LOCK, FILL_COUNT = 32, 32
 """Bits per pixel of the spin lock, and of the node count of the published k+-buffer."""
 
@@ -91,11 +98,11 @@ drawn = st.builds(
 
 
 @settings(max_examples=40, deadline=None, derandomize=True)
-@given(shown=drawn, variant=st.sampled_from(VARIANTS))
+@given(shown=drawn, variant=st.sampled_from([*VARIANTS, *ADMITTING]))
 def test_pictures_follow_the_model(device: Device, shown: Shown, variant: str) -> None:
     chosen = method(variant)
-    k, node = int(chosen.values["k"]), str(chosen.values["node"])
-    expected = MODELS[chosen.name](shown.lists, BACKGROUND, k, node)
+    node = str(chosen.values["node"])
+    expected = MODELS[chosen.name](shown.lists, BACKGROUND, **chosen.values)
     error = abs(render(device, shown.lists, variant) - expected)
     # Half floats round the background, its product and the sum. Near half a step of a node, single
     # precision may round to the other step.
@@ -118,7 +125,8 @@ def test_a_spin_lock_gives_the_same_picture_as_the_best_mechanism(
 @pytest.mark.parametrize("variant", VARIANTS)
 def test_up_to_k_layers_are_exact_in_any_order(device: Device, variant: str) -> None:
     chosen = method(variant)
-    count = int(chosen.values["k"])
+    # Of the nodes with a bucket, one is kept for faint layers, and here none is faint.
+    count = int(chosen.values["k"]) - (chosen.name == "multilayer_alpha_buckets")
     lists = random_lists(count)
     with opened(device, scene_of(lists), variant) as frame:
         assert_order_independent(frame, 3)
@@ -154,8 +162,13 @@ def test_variants_with_few_nodes_keep_their_promises(device: Device) -> None:
         "k_buffer[k=4,node=32f]",
         "multilayer_alpha[k=2]",
         "multilayer_alpha[k=2,node=16f]",
+        "multilayer_alpha_buckets[k=2]",
+        "multilayer_alpha_buckets[k=2,node=16f]",
+        "hybrid[k=1]",
         "hybrid[k=2]",
         "hybrid[k=2,node=16f]",
+        "hybrid[transmittance=exact]",
+        "hybrid[k=2,node=16f,transmittance=exact,admission=0.05]",
     )
 
 
@@ -268,8 +281,8 @@ def bits(device: Device, variant: str, mechanism: str) -> float:
 def test_each_node_has_a_depth_and_a_color(device: Device, variant: str) -> None:
     chosen = method(variant)
     color = {"8-bit": 32, "16f": 64, "32f": 128}[str(chosen.values["node"])]
-    tail = 64 + 16 if chosen.name == "hybrid" else 0
-    expected = int(chosen.values["k"]) * (32 + color) + tail
+    beside = {"hybrid": 64 + 16, "multilayer_alpha_buckets": 64}.get(chosen.name, 0)
+    expected = int(chosen.values["k"]) * (32 + color) + beside
     assert bits(device, variant, "framebuffer fetch") == expected
     assert bits(device, variant, "spin lock") == expected + LOCK
 

@@ -90,6 +90,25 @@ def test_weighted_blending_equals_its_formula(
     close(render(device, lists, name), expected, allowed)
 
 
+@pytest.mark.parametrize("powers", [(3.0, 6.0), (8.0, 0.5)])
+@pytest.mark.parametrize("ranges", [(1.0, 20.0), (0.5, 0.1)])
+def test_a_fitted_weight_has_the_form_of_two_equations(
+    device: Device, ranges: tuple[float, float], powers: tuple[float, float]
+) -> None:
+    (b, c), (p, q) = ranges, powers
+    lists = random_lists(8, tinted=True)
+    fitted = f"weight=fitted,near_range={b},near_power={p},far_range={c},far_power={q}"
+    found = render(device, lists, f"weighted_blended[{fitted},precision=float]")
+    bare = model.fitted_weight(lists.z.astype(np.float64), b, p, c, q)
+    close(found, model.blended(lists, BACKGROUND, bare), 2e-5)
+    eighth = "weight=fitted,near_range=10,near_power=3,far_range=200,far_power=6"
+    one, other = (
+        render(device, lists, f"weighted_blended[{weight},precision=float]")
+        for weight in (eighth, "weight=8")
+    )
+    np.testing.assert_allclose(one, other, rtol=0, atol=1e-6)
+
+
 def test_weighted_sums_of_opaque_layers_are_negative_unless_clamped(device: Device) -> None:
     lists = scene_of(stack([Layer(1.0, 1.0, NOTHING), Layer(2.0, 0.5, NOTHING)]), WHITE)
     assert render(device, lists, "weighted_sum")[0, 0] == pytest.approx([-0.5] * 3)

@@ -35,6 +35,7 @@ NOT_PROMISED = {
         "adaptive[nodes=4,memory=fixed]": "",
         "adaptive[nodes=16]": "white_furnace order_independent",
         "adaptive[nodes=16,memory=fixed]": "white_furnace order_independent",
+        "depth_layered": "visibility_monotonic",
         "depth_peeling": "visibility_monotonic",
         # With packed opacities, nothing passes an opaque layer.
         "fourier_map": "opaque_front_hides",
@@ -48,6 +49,8 @@ NOT_PROMISED = {
         "k_buffer[k=4]": "visibility_monotonic",
         "multilayer_alpha": "opaque_front_hides visibility_monotonic",
         "multilayer_alpha[k=16]": "opaque_front_hides visibility_monotonic order_independent",
+        # No layer of these scenes is nearly opaque.
+        "multilayer_alpha_buckets": "total_transmittance_exact visibility_monotonic",
         "phenomenological": "visibility_monotonic",
         "sorted_over": "order_independent visibility_monotonic",
         "sorted_two_pass": "order_independent visibility_monotonic",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -42,6 +42,11 @@ class Nodes:
             color = np.where(before[..., None], kept, color)
         return color
 
+    def merge_into_last(self, behind: Floats) -> None:
+        """Composite a color behind the last node."""
+        last = self.color[-1]
+        self.color[-1] = stored(last + (1 - last[..., 3:]) * behind, self.node)
+
     def _before(
         self, depth: Floats, color: Floats, other_depth: Floats, other: Floats
     ) -> npt.NDArray[np.bool_]:
@@ -67,20 +72,26 @@ def gathered(
 
     With `merging`, removed colors are composited into the last node.
     """
-    color, opacity = layers_of(lists)
-    layers = stored(np.concatenate([color, opacity[..., None]], axis=-1), node)
-    shape = (k, *lists.z.shape[1:])
-    nodes = Nodes(np.full(shape, _EMPTY), np.zeros((*shape, 4)), node)
+    nodes = empty_nodes(lists, k, node)
     removed = []
-    for depth, layer in zip(lists.z.astype(np.float64), layers, strict=True):
+    for depth, layer in zip(lists.z.astype(np.float64), stored_layers(lists, node), strict=True):
         # Layers that are clear go behind all nodes, also behind empty ones.
-        depth = np.where(layer.any(axis=-1), depth, np.inf)
-        out = nodes.insert(depth, layer)
-        removed.append(out)
+        removed.append(nodes.insert(np.where(layer.any(axis=-1), depth, np.inf), layer))
         if merging:
-            last = nodes.color[-1]
-            nodes.color[-1] = stored(last + (1 - last[..., 3:]) * out, node)
+            nodes.merge_into_last(removed[-1])
     return nodes, removed
+
+
+def empty_nodes(lists: FragmentLists, k: int, node: str) -> Nodes:
+    """Return `k` empty nodes for each pixel of the lists."""
+    shape = (k, *lists.z.shape[1:])
+    return Nodes(np.full(shape, _EMPTY), np.zeros((*shape, 4)), node)
+
+
+def stored_layers(lists: FragmentLists, node: str) -> Floats:
+    """Return color and opacity of every fragment as a node of this format stores them."""
+    color, opacity = layers_of(lists)
+    return stored(np.concatenate([color, opacity[..., None]], axis=-1), node)
 
 
 def _over(front: Floats, background: npt.ArrayLike) -> Floats:
@@ -97,16 +108,51 @@ def multilayer_alpha(lists: FragmentLists, background: npt.ArrayLike, k: int, no
     return _over(gathered(lists, k, node, merging=True)[0].composite(), background)
 
 
-def hybrid(lists: FragmentLists, background: npt.ArrayLike, k: int, node: str) -> Floats:
+def multilayer_alpha_buckets(
+    lists: FragmentLists,
+    background: npt.ArrayLike,
+    k: int,
+    node: str,
+    lower: float = 0.2,
+    opaque: float = 0.98,
+) -> Floats:
+    """Return layers before the first strong one as one node, merged layers after it; Kern 2020."""
+    z, opacity = lists.z.astype(np.float64), layers_of(lists)[1]
+    front = np.where(opacity > lower, z, np.inf).min(axis=0)
+    hidden = np.where(opacity >= opaque, z, np.inf).min(axis=0)
+    bucket, nodes = empty_nodes(lists, 1, node), empty_nodes(lists, k - 1, node)
+    for depth, layer in zip(z, stored_layers(lists, node), strict=True):
+        seen = layer.any(axis=-1) & (depth <= hidden)
+        for part, chosen in ((bucket, seen & (depth < front)), (nodes, seen & (depth >= front))):
+            own = np.where(chosen[..., None], layer, 0)
+            part.merge_into_last(part.insert(np.where(chosen, depth, np.inf), own))
+    first, behind = bucket.composite(), nodes.composite()
+    return _over(first + (1 - first[..., 3:]) * behind, background)
+
+
+def hybrid(
+    lists: FragmentLists,
+    background: npt.ArrayLike,
+    k: int,
+    node: str,
+    transmittance: str = "mean",
+    admission: float = 0.0,
+) -> Floats:
     """Return the k nearest layers over the weighted average of all others; Maule et al. 2013."""
-    nodes, removed = gathered(lists, k, node)
-    total, number = np.zeros(removed[0].shape), np.zeros(removed[0].shape[:-1])
-    for layer in removed:
+    opacity = layers_of(lists)[1]
+    refused = opacity < admission
+    admitted = replace(lists, coverage=np.where(refused, 0, lists.coverage))
+    nodes, removed = gathered(admitted, k, node)
+    faint = np.where(refused[..., None], stored_layers(lists, node), 0)
+    tail_layers = np.stack(removed) + faint
+    total = np.zeros(tail_layers.shape[1:])
+    for layer in tail_layers:
         total = stored(total + layer, "16f")
-        number += layer[..., 3] > 0
-    number, opacity = np.maximum(number, 1), total[..., 3]
-    covered = 1 - (1 - opacity / number) ** number
-    factor = np.divide(covered, opacity, out=np.ones_like(opacity), where=opacity > 1e-4)
+    sum_ = total[..., 3]
+    number = np.maximum((tail_layers[..., 3] > 0).sum(axis=0), 1)
+    mean = 1 - (1 - sum_ / number) ** number
+    covered = mean if transmittance == "mean" else 1 - (1 - tail_layers[..., 3]).prod(axis=0)
+    factor = np.divide(covered, sum_, out=np.ones_like(sum_), where=sum_ > 1e-4)
     tail = np.concatenate([total[..., :3] * factor[..., None], covered[..., None]], axis=-1)
     core = nodes.composite()
     return _over(core + (1 - core[..., 3:]) * tail, background)

@@ -50,10 +50,23 @@ def weight(equation: int, z: Floats, near: float = 0.1) -> Floats:
     return np.clip(bare, 1e-2, 3e3)
 
 
+def fitted_weight(z: Floats, b: float, p: float, c: float, q: float) -> Floats:
+    """Return the form of eq. 7 and 8 with other ranges, m, and powers, without the factor o."""
+    return np.clip(10 / (1e-5 + (z / b) ** p + (z / c) ** q), 1e-2, 3e3)
+
+
 def weighted_blended(lists: FragmentLists, background: npt.ArrayLike, equation: int) -> Floats:
-    """Return the weighted mean color over the background seen through all layers."""
+    """Return the picture of one of McGuire & Bavoil's weights."""
+    return blended(lists, background, weight(equation, lists.z.astype(np.float64)))
+
+
+def blended(lists: FragmentLists, background: npt.ArrayLike, bare: Floats) -> Floats:
+    """Return the weighted mean color over the background seen through all layers.
+
+    `bare` is the weight of each layer without the factor o.
+    """
     color, opacity = layers_of(lists)
-    w = opacity * weight(equation, lists.z.astype(np.float64))
+    w = opacity * bare
     mean = (w[..., None] * color).sum(axis=0)
     mean /= np.maximum((w * opacity).sum(axis=0), 1e-5)[..., None]
     passed = (1 - opacity).prod(axis=0)[..., None]
