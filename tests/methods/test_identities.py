@@ -14,6 +14,9 @@ from oitbench.stability.result import HOLDS, CheckResult
 from tests.helpers import collection, method, run_checks, variants
 
 FURTHER = (
+    "fourier_map[normalized=true]",
+    "opacity_map[memory=fixed,normalized=true,channels=rgb]",
+    "wavelet[memory=variable,node=precise,channels=rgb]",
     "a_buffer[resolve=iterative]",
     "a_buffer[node=compact,resolve=iterative]",
     "hashed_alpha[scale=4]",
@@ -67,6 +70,9 @@ NOT_PROMISED = {
         "weighted_blended[weight=7]": "visibility_monotonic",
         "weighted_blended[weight=9]": "visibility_monotonic",
         "weighted_sum": "visibility_monotonic",
+        # Layers are far apart.
+        "wavelet": "two_layers_ordered visibility_monotonic",
+        "wavelet[precision=half]": "two_layers_ordered",
     }.items()
 }
 """Identities that hold on the scenes of the suite although the method does not promise them.
