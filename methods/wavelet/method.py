@@ -17,8 +17,8 @@ the start of its bin. Published coefficients are larger by 2^(j/2), and wavelets
 that of coefficients in `fixed` memory, which takes three geometry passes: bounds, coefficients,
 compositing. `variable`, `rgb` and `msaa` are those of `opacity_map`.
 
-Memory, `fixed`: 16, 32 or 64 B of coefficients for ranks 1, 2 and 3 (half of it with `half`), 8 B of
-bounds and 16 B of sums per pixel.
+Memory, `fixed`: 16, 32 or 64 B of coefficients for ranks 1, 2 and 3 (half of it with `half`), 8 B
+of bounds and 16 B of sums per pixel.
 
 Source: Aizenshtein et al. 2022, "Wavelet Transparency", arXiv 2201.00094.
 

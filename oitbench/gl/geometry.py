@@ -23,7 +23,7 @@ from oitbench.gl.surface_textures import (
     surface_key,
     upload_surfaces,
 )
-from oitbench.gl.view import view_block
+from oitbench.gl.view import transparent_range, view_block
 from oitbench.method.passes import Objects, Order
 from oitbench.scene import BLACK, LEAST_LOBE, FragmentLists, Material, Object, Scene, Vector
 from oitbench.scene.texturing import constants_of, image_key, images_of
@@ -86,6 +86,7 @@ class Geometry(Owner):
         super().__init__()
         self.scene, self._coincidence = with_separate_corners(scene.seen_from_camera())
         self.origin = _less_kilometers(scene.in_meters().camera.position)
+        self._range = transparent_range(self.scene)
         self.textures: dict[str, moderngl.TextureArray | moderngl.Texture] = {}
         self._device = device
         self._storeys = 1
@@ -137,7 +138,8 @@ class Geometry(Owner):
 
     def view(self, size: tuple[int, int], transmittance: bool = False, subsample: int = 1) -> bytes:
         """Return the bytes of `View` for a frame of the scene's camera; see `view_block`."""
-        return view_block(self.scene.camera, size, transmittance, subsample, self.origin)
+        camera = self.scene.camera
+        return view_block(camera, size, transmittance, subsample, self.origin, self._range)
 
     @property
     def coincident(self) -> tuple[str, str] | None:

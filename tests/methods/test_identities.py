@@ -15,6 +15,9 @@ from tests.helpers import collection, method, run_checks, variants
 
 FURTHER = (
     "fourier_map[normalized=true]",
+    "moments[storage=unorm16]",
+    "moments[depth=linear]",
+    "moments[depth=window]",
     "opacity_map[memory=fixed,normalized=true,channels=rgb]",
     "wavelet[memory=variable,node=precise,channels=rgb]",
     "a_buffer[resolve=iterative]",
@@ -51,6 +54,12 @@ NOT_PROMISED = {
         "k_buffer[k=4]": "visibility_monotonic",
         "multilayer_alpha": "opaque_front_hides visibility_monotonic",
         "multilayer_alpha[k=16]": "opaque_front_hides visibility_monotonic order_independent",
+        # Two places.
+        "moments": "two_layers_ordered",
+        "moments[count=8]": "",
+        "moments[storage=unorm16]": "",
+        "moments[depth=linear]": "two_layers_ordered visibility_monotonic",
+        "moments[depth=window]": "visibility_monotonic",
         "phenomenological": "visibility_monotonic",
         "sorted_over": "order_independent visibility_monotonic",
         "sorted_two_pass": "order_independent visibility_monotonic",

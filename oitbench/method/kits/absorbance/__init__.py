@@ -27,7 +27,10 @@ from oitbench.method.promises import promise
 from oitbench.method.storage import Target
 from oitbench.parameters import Parameter
 
-_NO_BOUNDS = -1e38
+BOUNDS = Target("rg32f", clear=(-1e38, -1e38))
+"""Distances of the absorbing layers of a pixel: (-nearest, farthest)."""
+FIND_BOUNDS = Gather("absorbance/bounds.glsl", writes={"bounds": MAXIMUM})
+"""Fills a target `bounds`."""
 
 
 class AbsorbanceMap(CurveMethod):
@@ -71,7 +74,6 @@ class AbsorbanceMap(CurveMethod):
     def fixed_plan(self) -> Plan:
         """Bounds, the curve, and layers composited against it."""
         curve = {f"curve{i}": Target(self.curve_format) for i in range(self.terms // 4)}
-        bounds = {"bounds": Target("rg32f", clear=(_NO_BOUNDS, _NO_BOUNDS))}
         sums = {"sum": Target("rgba32f")} if self.normalized else {}
         build = Gather(
             "absorbance/build.glsl",
@@ -81,8 +83,8 @@ class AbsorbanceMap(CurveMethod):
             defines={"TERMS": self.terms},
         )
         steps = self._fill_steps(*curve) if self.normalized else self._add_steps(*curve)
-        find = Gather("absorbance/bounds.glsl", writes={"bounds": MAXIMUM})
-        return Plan({**bounds, **curve, **sums}, (find, *self.rounds(build, *steps)))
+        targets = {"bounds": BOUNDS, **curve, **sums}
+        return Plan(targets, (FIND_BOUNDS, *self.rounds(build, *steps)))
 
     def _add_steps(self, *curve: str) -> tuple[Pass, ...]:
         """Return passes that attenuate the background and add the layers to it."""
