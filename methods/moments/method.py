@@ -3,7 +3,7 @@
     a = -ln(1 - o),    x in [-1, 1] by `depth`,    b_0 = sum_i a_i,    T = exp(-b_0)
     power:          b_j = sum_i a_i x_i^j,                   j = 1 ... n
     trigonometric:  b_k = sum_i a_i exp(i k phi_i),          k = 1 ... n / 2
-                    phi = (x + 1) (pi - w / 2),              w = pi / 10, a gap before the first place
+                    phi = (x + 1) (pi - w / 2),              w = pi / 10, a gap
     b' = (1 - e) b / b_0 + e b*,    e and b* by basis, n and storage
     vis = exp(-b_0 A),    A = sum of w_k with x_k < x, + kappa w(x)
     C = (1 - T) sum_i alpha_i L_i vis_i / sum_i o_i vis_i + C0 T
