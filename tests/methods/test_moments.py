@@ -24,6 +24,7 @@ from tests.helpers import (
     Layer,
     bits_per_pixel,
     method,
+    opened,
     random_lists,
     render,
     run_checks,
@@ -92,6 +93,31 @@ def test_sixteen_bits_follow_the_model_with_their_own_bias(
     )
     assert own < 1e-4
     assert other > 1.5 * own
+
+
+@pytest.mark.parametrize("count", COUNTS)
+@pytest.mark.parametrize("basis", BASES)
+def test_stored_moments_fill_the_unit_interval(basis: str, count: int) -> None:
+    stored = model.quantized(np.linspace(-1, 1, 200_001), basis, count)
+    np.testing.assert_allclose(stored.min(axis=0), 0, rtol=0, atol=2e-8)
+    # Angles leave a gap, in which the highest sine would have its greatest value.
+    np.testing.assert_allclose(stored.max(axis=0), 1, rtol=0, atol=2e-8)
+
+
+@pytest.mark.parametrize("count", COUNTS)
+@pytest.mark.parametrize("basis", BASES)
+def test_sixteen_bits_hold_the_mean_moments(device: Device, basis: str, count: int) -> None:
+    drawn = scattered(5, side=16)
+    absorbance = -np.log1p(-drawn.coverage.astype(np.float64))[..., None]
+    each = model.quantized(places(drawn.z, "log"), basis, count)
+    mean = (each * absorbance).sum(axis=0) / absorbance.sum(axis=0)
+    name = f"moments[basis={basis},count={count},storage=unorm16]"
+    with opened(device, scene_of(drawn, BACKGROUND, NEAR), name) as frame:
+        frame.render()
+        words = np.concatenate([frame.texels(f"words{i}") for i in range(count // 2)], axis=-1)
+    stored = np.stack([words & 0xFFFF, words >> 16], axis=-1).reshape(mean.shape) / 65535
+    # Every fragment rounds once.
+    np.testing.assert_allclose(stored, mean, rtol=0, atol=5 / 65535)
 
 
 ALLOWED = {("power", 4): 1e-4, ("power", 6): 1e-2, ("power", 8): 1e-2}
