@@ -34,8 +34,6 @@ void gather(Fragment fragment) {
     float share = 0.0;
     if (absorbed > 0.0) {
         share = share_before(place_of(fragment), normalized_moments(absorbed));
-        // Not a number, should rounding ever lead there: as if nothing were in front.
-        share = share >= 0.0 && share <= 1.0 ? share : 0.0;
     }
     vec4 layer = vec4(fragment.coverage * fragment.radiance, hidden_by(own));
     sum = layer * visible_behind(absorbed * share);

@@ -19,7 +19,7 @@ layers lie at fewer than n/2 places: for a single layer or coplanar ones. Here p
 recurrences (Chebyshev, Szego) whose pivots are at least 1e-7 and whose centers are within [-1, 1],
 so that weights are positive and finite. Those but w(x) share 1 - w(x) in proportion. Layers at one
 place have equal visibility, which cancels out; any value is exact. Solved are s = 1 / (x_k - x),
-which no coefficient sends to infinity. Should a value be no number, vis is 1.
+which no coefficient sends to infinity.
 
 All operations are sums, so the order of the draws only changes rounding; `unorm16` keeps the mean
 of moments in 16 bits by programmable blending.

@@ -188,6 +188,27 @@ def test_a_decal_and_its_wall_hide_layers_behind_them(
     assert abs(exact - expected).max() < 0.3
 
 
+@pytest.mark.parametrize("depth", ["log", "window"])
+@pytest.mark.parametrize("storage", STORAGES)
+@pytest.mark.parametrize("count", COUNTS)
+@pytest.mark.parametrize("basis", BASES)
+def test_clusters_of_any_width_and_strength_give_finite_pixels(
+    device: Device, basis: str, count: int, storage: str, depth: str
+) -> None:
+    random = np.random.default_rng(count)
+    drawn = random_lists(6, side=64)
+    centers = random.uniform(1, 9, (2, 1, 64, 64))
+    centers = np.where(random.random((6, 64, 64)) < 0.5, centers[0], centers[1])
+    width = 10 ** random.uniform(-9, -1, (64, 64)) * (random.random((64, 64)) < 0.8)
+    drawn.z[:] = centers * (1 + width * random.standard_normal((6, 64, 64)))
+    drawn.coverage[:] = np.minimum(10 ** random.uniform(-6, 0.2, drawn.z.shape), 1)
+    drawn.radiance[:] = 1
+    name = f"moments[basis={basis},count={count},storage={storage},depth={depth}]"
+    found = render(device, scene_of(drawn, WHITE), name)
+    # The picture is white only if all weights are numbers.
+    np.testing.assert_allclose(found, 1, rtol=0, atol=2e-4)
+
+
 def test_overestimation_adds_a_part_of_the_own_weight(device: Device) -> None:
     layers = [Layer(1.0, 0.5, WHITE), Layer(3.0, 0.5, RED), Layer(9.0, 0.5, BLUE)]
     pictures = [
