@@ -224,6 +224,14 @@ def test_overestimation_adds_a_part_of_the_own_weight(device: Device) -> None:
         )
 
 
+def test_weights_of_many_opaque_layers_do_not_vanish(device: Device) -> None:
+    # Every layer is hidden by an absorbance of 575, whose transmittance no float holds; opaque
+    # ones count as transmitting 1e-5.
+    walls = stack([Layer(2.0, 1.0, WHITE)] * 50, 2)
+    found = render(device, walls, "moments[overestimation=1]")
+    np.testing.assert_allclose(found, 1, rtol=0, atol=2e-5)
+
+
 HARD = ("1 mm to 1000 km", "3000 white walls", "coincident colors", "swept layer", "α = 0")
 
 
