@@ -23,7 +23,7 @@ float damping(int k) {
 }
 
 // The series integrated from 0 to u; ringing can take it below zero or beyond the total.
-float absorbed(float u) {
+float absorbed(float u, float own) {
     vec2 base = vec2(cos(TURN * u), sin(TURN * u));
     vec2 wave = base;
     float sum = terms[0] * u;

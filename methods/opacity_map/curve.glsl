@@ -6,7 +6,7 @@ void deposit(float u, float absorbance) {
 }
 
 // Linear between the slices in front and behind; nothing is absorbed at 0.
-float absorbed(float u) {
+float absorbed(float u, float own) {
     float place = u * float(TERMS);
     float front = 0.0;
     float behind = terms[0];

@@ -7,6 +7,10 @@
 The bounds are those of the layers that absorb. The total transmittance is exact. All operations are
 sums, so the order of the draws does not matter.
 
+`normalized` divides the sum of layers by that of their weights o vis(u) and multiplies it by the
+part of the light that all hide, as moments and wavelets do: errors of visibility then do not change
+the amount of light.
+
 `variable` stores all fragments in lists and keeps slices in local memory. `fixed` takes three
 geometry passes: bounds, slices, compositing. `rgb` builds and uses one curve per channel, in three
 rounds instead of three times the storage. With `msaa` 4 each of four samples is rendered

@@ -25,7 +25,7 @@ from oitbench.gl.surface_textures import (
     surface_key,
     upload_surfaces,
 )
-from oitbench.gl.view import bounded_camera, view_block
+from oitbench.gl.view import bounded_camera, transparent_range, view_block
 from oitbench.method.passes import Objects, Order
 from oitbench.scene import (
     BLACK,
@@ -106,6 +106,7 @@ class Geometry(Owner):
         self._camera = bounded_camera(self.scene)
         self.origin = _less_kilometers(scene.in_meters().camera.position)
         self._place, self._unit = scene.camera.position, scene.meters_per_unit
+        self._range = transparent_range(self.scene)
         self.textures: dict[str, moderngl.TextureArray | moderngl.Texture] = {}
         self._device = device
         self._storeys = 1
@@ -182,10 +183,12 @@ class Geometry(Owner):
         """Look from another camera, given in the scene's own unit; vertices stay as they are."""
         self.scene = replace(self.scene, camera=camera.relocated(self._place, self._unit))
         self._camera = bounded_camera(self.scene)
+        self._range = transparent_range(self.scene)
 
     def view(self, size: tuple[int, int], transmittance: bool = False, subsample: int = 1) -> bytes:
         """Return the bytes of `View` for a frame of the scene's camera; see `view_block`."""
-        return view_block(self._camera, size, transmittance, subsample, self.origin)
+        origin, within = self.origin, self._range
+        return view_block(self._camera, size, transmittance, subsample, origin, within)
 
     @property
     def coincident(self) -> tuple[str, str] | None:

@@ -68,6 +68,7 @@ class Projection:
         size: tuple[int, int],
         transmittance: bool = False,
         origin: Vector = (0.0, 0.0, 0.0),
+        transparent_range: tuple[float, float] = (0.0, 0.0),
     ) -> bytes:
         """Return the bytes of the block for a picture of `size` (width, height).
 
@@ -78,6 +79,8 @@ class Projection:
             Whether all radiance is zero.
         origin : Vector
             `Geometry.origin`.
+        transparent_range : (float, float)
+            `transparent_range` of the scene; maps of lights have none.
 
         Raises
         ------
@@ -93,7 +96,14 @@ class Projection:
         to_camera[:3, 3] -= to_camera[:3, :3] @ np.asarray(origin)
         parts = [
             single_precision("the view of the scene", part)
-            for part in (self.world_to_clip.T, to_camera.T, numbers, self.eye, [*origin, 0.0])
+            for part in (
+                self.world_to_clip.T,
+                to_camera.T,
+                numbers,
+                self.eye,
+                [*origin, 0.0],
+                [*transparent_range, 0.0, 0.0],
+            )
         ]
         near = float(parts[2][0])
         require(near >= _LEAST_NEAR, f"camera: near is {self.near} m; give a larger distance")
@@ -145,6 +155,7 @@ def view_block(
     transmittance: bool,
     subsample: int = 1,
     origin: Vector = (0.0, 0.0, 0.0),
+    transparent_range: tuple[float, float] = (0.0, 0.0),
 ) -> bytes:
     """Return the bytes of `View` for a frame of `size`, or for a downsampled target.
 
@@ -160,6 +171,8 @@ def view_block(
         so that each texel covers the same number of pixels.
     origin : Vector
         `Geometry.origin`.
+    transparent_range : (float, float)
+        `transparent_range` of the scene.
     """
     seen = camera_projection(camera, size[0] / size[1])
     small = (math.ceil(size[0] / subsample), math.ceil(size[1] / subsample))
@@ -167,7 +180,29 @@ def view_block(
     whole = np.diag([across, along, 1.0, 1.0])
     whole[:2, 3] = across - 1, along - 1
     seen = replace(seen, to_clip=whole @ seen.to_clip, focal=seen.focal * along)
-    return seen.block(small, transmittance, origin)
+    return seen.block(small, transmittance, origin, transparent_range)
+
+
+def transparent_range(scene: Scene) -> tuple[float, float]:
+    """Return the least and greatest view distance of all transparent geometry, in meters.
+
+    It lies beyond the near plane, and covers geometry outside of the picture.
+
+    Parameters
+    ----------
+    scene : Scene
+        In meters, with the camera at the origin.
+    """
+    near = scene.camera.near
+    if scene.lists is not None:
+        distances = scene.lists.z if scene.lists.z.size else np.array([near])
+        low, high = float(distances.min()), float(distances.max())
+    elif scene.transparent:
+        lowest, highest = _bounds(scene.transparent, scene.camera.axes)
+        low, high = -float(highest[2]), -float(lowest[2])
+    else:
+        low = high = near
+    return max(low, near), max(high, near)
 
 
 def light_projection(

@@ -1,4 +1,4 @@
-"""Opacity maps and Fourier maps against their models, and their published memory.
+"""Maps of absorbance and wavelets against their models, and their published memory.
 
 Published sizes are those of Salvi et al. 2011, "Adaptive Transparency", for 1280×720 pixels.
 """
@@ -40,19 +40,28 @@ CURVES = {
     "fourier_map[coefficients=15": model.fourier_map(15, False),
     "fourier_map[coefficients=31,lanczos=true": model.fourier_map(31, True),
 }
+WAVELETS = {
+    "wavelet[rank=1": model.wavelet(1),
+    "wavelet[rank=2,correction=false": model.wavelet(2, False),
+    "wavelet[rank=3": model.wavelet(3),
+}
+MARGINS = (1e-5, 1e-2)
 DEFAULTS = ("opacity_map[slices=16", "fourier_map[coefficients=15")
 PIXELS_720P = 1280 * 720
 MIB = 2**20
 
 
-def expected(drawn: FragmentLists, curve: str, tinted: bool) -> Floats:
+def expected(drawn: FragmentLists, curve: str, tinted: bool, normalized: bool = False) -> Floats:
     factors = transmittances(drawn)
+    wavelet = curve in WAVELETS
     return model.composite(
         drawn.z.astype(np.float64),
         drawn.coverage[..., None].astype(np.float64) * drawn.radiance,
         factors if tinted else factors.mean(axis=-1, keepdims=True),
         BACKGROUND,
-        CURVES[curve],
+        (WAVELETS if wavelet else CURVES)[curve],
+        normalized,
+        MARGINS if wavelet else (0.0, 0.0),
     )
 
 
@@ -60,12 +69,19 @@ def expected(drawn: FragmentLists, curve: str, tinted: bool) -> Floats:
 @given(
     seed=st.integers(0, 2**32 - 1),
     layers=st.integers(1, 20),
-    curve=st.sampled_from(sorted(CURVES)),
+    curve=st.sampled_from(sorted({**CURVES, **WAVELETS})),
     channels=st.sampled_from(["gray", "rgb"]),
-    memory=st.sampled_from(MEMORIES),
+    memory=st.sampled_from(["memory=variable,node=precise", "memory=fixed"]),
+    normalized=st.booleans(),
 )
 def test_pictures_follow_the_model(
-    device: Device, seed: int, layers: int, curve: str, channels: str, memory: str
+    device: Device,
+    seed: int,
+    layers: int,
+    curve: str,
+    channels: str,
+    memory: str,
+    normalized: bool,
 ) -> None:
     random = np.random.default_rng(seed)
     drawn = random_lists(layers, tinted=True, seed=seed, side=8)
@@ -74,8 +90,9 @@ def test_pictures_follow_the_model(
     drawn.coverage[random.random(drawn.z.shape) < 0.1] = 0.0
     opaque = random.random(drawn.z.shape) < 0.05
     drawn.coverage[opaque], drawn.transmission[opaque] = 1.0, 0.0
-    found = render(device, drawn, f"{curve},channels={channels},{memory}]")
-    truth = expected(drawn, curve, channels == "rgb")
+    name = f"{curve},channels={channels},{memory},normalized={str(normalized).lower()}]"
+    found = render(device, drawn, name)
+    truth = expected(drawn, curve, channels == "rgb", normalized)
     # The error of relative depths, 2^-22, grows with 31 coefficients and absorbances up to 12.
     np.testing.assert_allclose(found, truth, rtol=2e-5, atol=2e-5)
 

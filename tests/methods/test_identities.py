@@ -14,6 +14,12 @@ from oitbench.stability.result import HOLDS, CheckResult
 from tests.helpers import collection, method, run_checks, variants
 
 FURTHER = (
+    "fourier_map[normalized=true]",
+    "moments[storage=unorm16]",
+    "moments[depth=linear]",
+    "moments[depth=window]",
+    "opacity_map[memory=fixed,normalized=true,channels=rgb]",
+    "wavelet[memory=variable,node=precise,channels=rgb]",
     "a_buffer[resolve=iterative]",
     "a_buffer[node=compact,resolve=iterative]",
     "hashed_alpha[scale=4]",
@@ -51,6 +57,12 @@ NOT_PROMISED = {
         "multilayer_alpha[k=16]": "opaque_front_hides visibility_monotonic order_independent",
         # No layer of these scenes is nearly opaque.
         "multilayer_alpha_buckets": "total_transmittance_exact visibility_monotonic",
+        # Two places.
+        "moments": "two_layers_ordered",
+        "moments[count=8]": "",
+        "moments[storage=unorm16]": "",
+        "moments[depth=linear]": "two_layers_ordered visibility_monotonic",
+        "moments[depth=window]": "visibility_monotonic",
         "phenomenological": "visibility_monotonic",
         "sorted_over": "order_independent visibility_monotonic",
         "sorted_two_pass": "order_independent visibility_monotonic",
@@ -70,6 +82,9 @@ NOT_PROMISED = {
         "weighted_blended[weight=7]": "visibility_monotonic",
         "weighted_blended[weight=9]": "visibility_monotonic",
         "weighted_sum": "visibility_monotonic",
+        # Layers are far apart.
+        "wavelet": "two_layers_ordered visibility_monotonic",
+        "wavelet[precision=half]": "two_layers_ordered",
     }.items()
 }
 """Identities that hold on the scenes of the suite although the method does not promise them.

@@ -12,6 +12,7 @@ layout(std140, binding = 0) uniform View {
     vec2 view_center;      // where the view axis meets the picture, pixels
     vec4 eye;              // relative position and 1, or, for parallel rays, direction to it and 0
     vec4 origin;           // position of the camera in the world, less whole kilometers, m
+    vec2 transparent_range; // least and greatest view distance of all transparent geometry, m
 };
 
 // Depth is stored as 1 - d, which is near/z before an infinite far plane and 0 where nothing is: as a

@@ -5,5 +5,5 @@ void resolve() {
     for (int i = 0; i < TERMS / 4; ++i) {
         set_terms(i, read_curve(i));
     }
-    color = vec4(background_factor(visibility(1.0)), 1.0);
+    color = vec4(background_factor(total_visibility()), 1.0);
 }

@@ -1,5 +1,6 @@
 // A curve of absorbance over relative depth in one pixel: `curve.glsl` is the method's.
 #include "curves/channels.glsl"
+#include "absorbance/normalize.glsl"
 
 float terms[TERMS];
 
@@ -11,16 +12,24 @@ void begin_curve() {
     }
 }
 
-// Minus the logarithm of a transmittance; an opaque layer lets one part in 100,000 pass.
-float absorbance(float factor) { return -log(max(factor, 1e-5)); }
+// Margins before the nearest and behind the farthest layer, meters; a curve can define others.
+#ifndef NEAR_MARGIN
+#define NEAR_MARGIN 0.0
+#define FAR_MARGIN 0.0
+#endif
 
 // Relative depth of `z` in [0, 1], between bounds (-nearest, farthest) of absorbing layers. Layers at
-// the same distance lie at 0, where nothing hides them, and layers behind them at 1.
+// the same distance lie at the front, where nothing hides them, and layers behind them at 1.
 float relative_depth(float z, vec2 bounds) {
-    return clamp((z + bounds.x) / max(bounds.x + bounds.y, 1e-6), 0.0, 1.0);
+    float range = bounds.x + bounds.y + (NEAR_MARGIN + FAR_MARGIN);
+    return clamp((z + bounds.x + NEAR_MARGIN) / max(range, 1e-6), 0.0, 1.0);
 }
 
-float visibility(float u) { return exp(-max(absorbed(u), 0.0)); }
+// Visibility of a layer at `u` that itself has the absorbance `own`.
+float visibility(float u, float own) { return visible_behind(absorbed(u, own)); }
+
+// Visibility of the background.
+float total_visibility() { return visible_behind(absorbed(1.0, 0.0)); }
 
 void set_terms(int i, vec4 values) {
     for (int k = 0; k < 4; ++k) {

@@ -19,13 +19,18 @@ void resolve() {
             deposit(u, absorbance(served_factor(layer_factor(layer))));
         }
     }
-    vec3 sum = vec3(0.0);
+    vec4 sum = vec4(0.0);
     for (uint node = head; node != NONE; node = nodes_next(node)) {
         Layer layer = load_layer(node);
         if (layer_seen(layer)) {
-            sum += layer_color(layer) * visibility(relative_depth(layer_depth(layer), bounds));
+            float own = absorbance(served_factor(layer_factor(layer)));
+            float u = relative_depth(layer_depth(layer), bounds);
+            sum += vec4(layer_color(layer), hidden_by(own)) * visibility(u, own);
         }
     }
-    color = vec4(sum * served(), 1.0);
-    color_factor = vec4(background_factor(visibility(1.0)), 0.0);
+#if NORMALIZED
+    sum.rgb = filled(sum, hidden_by(absorbed(1.0, 0.0)));
+#endif
+    color = vec4(sum.rgb * served(), 1.0);
+    color_factor = vec4(background_factor(total_visibility()), 0.0);
 }
