@@ -16,7 +16,7 @@ from oitbench.modeling.mesh import sphere
 from oitbench.path_traced.references import lookup, rendering, storage
 from oitbench.path_traced.references.check import check, failure_folder
 from oitbench.path_traced.references.storage import Reference, Rendering
-from oitbench.path_traced.references.wanted import REFRACTED_SSAA
+from oitbench.path_traced.references.wanted import PART_SSAA, REFRACTED_SSAA
 from oitbench.path_traced.references.z_test import z_test
 from oitbench.path_traced.trace.render import Progress
 from oitbench.path_traced.version import TRACER
@@ -301,6 +301,8 @@ def test_refraction_takes_a_fine_grid_unless_it_is_left_out() -> None:
     scene = glass()
     assert wanted(scene, MATCHED).grid == REFRACTED_SSAA
     assert wanted(scene, MATCHED, ssaa=16).grid == 16
+    fog = Medium(0.1, (-1.0, -1.0, -1.0), (1.0, 1.0, 1.0))
+    assert wanted(glass(fog), MATCHED).grid == PART_SSAA
     assert wanted(scene).grid == 2
     without = wanted(scene, MATCHED, chosen=~Effect.REFRACTION)
     assert without.grid == 2

@@ -1,4 +1,4 @@
-"""The camera as rays through the centers of the sub-pixel grid that OpenGL samples, too."""
+"""The camera as rays through a grid of sub-pixels, by default through the points of OpenGL."""
 
 from __future__ import annotations
 
@@ -21,11 +21,14 @@ class View:
     camera : Camera
     width, height : int
         Number of sub-pixels along each side: the size of the image times `ssaa`.
+    jitter : int, optional
+        Seed by which each ray passes through its sub-pixel at random instead.
     """
 
     camera: Camera
     width: int
     height: int
+    jitter: int | None = None
 
     @property
     def step(self) -> tuple[float, float]:
@@ -51,8 +54,11 @@ class View:
         index = np.arange(first, last)
         right, up, back = self.camera.axes
         step_x, step_y = self.step
-        x = (index % self.width + 0.5 - self.width / 2) * step_x
-        y = (self.height / 2 - index // self.width - 0.5) * step_y
+        across, down = 0.5, 0.5
+        if self.jitter is not None:
+            across, down = np.random.default_rng((self.jitter, first)).random((2, last - first))
+        x = (index % self.width + across - self.width / 2) * step_x
+        y = (self.height / 2 - index // self.width - down) * step_y
         aside = x[:, None] * right + y[:, None] * up
         if self.camera.orthographic:
             starts = np.asarray(self.camera.position) + aside - self.camera.near * back

@@ -58,6 +58,7 @@ def matched(
     *,
     samples: int = 1,
     part: int = 0,
+    jitter: bool = False,
 ) -> Image:
     """Render a scene with exactly the light transport that a set of effects stands for.
 
@@ -67,7 +68,7 @@ def matched(
     size : (int, int)
         Width and height in pixels.
     ssaa : int
-        Side of the sub-pixel grid; rays pass through the same points as in OpenGL.
+        Side of the sub-pixel grid.
     effects : Effect, optional
         Effects that run. Those that the scene does not request are ignored. Default: all that it
         requests. Coverage always runs.
@@ -75,6 +76,8 @@ def matched(
         Samples of each sub-pixel, if `is_random`.
     part : int
         Number of the picture: pictures of different numbers are independent, if `is_random`.
+    jitter : bool
+        Whether rays pass through their sub-pixels at random, instead of where OpenGL samples them.
 
     Returns
     -------
@@ -99,7 +102,7 @@ def matched(
     scene = scene.resolved(size[1] * ssaa).near_origin()
     mitsuba = llvm.load()
     require_wide(scene, mitsuba)
-    view = View(scene.camera, size[0] * ssaa, size[1] * ssaa)
+    view = View(scene.camera, size[0] * ssaa, size[1] * ssaa, part if jitter else None)
     stage = _Stage(mitsuba, scene, view, ssaa, running, random)
     total: Any = 0.0
     count = samples if random else 1

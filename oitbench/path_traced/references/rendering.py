@@ -136,14 +136,19 @@ def render_reference(
 
 
 def render_part(scene: Scene, rendering: Rendering, number: int) -> Image:
-    """Return a part of a matched reference, the same in every call."""
+    """Return a part of a matched reference, the same in every call.
+
+    The rays of a random refracted one are jittered, so that aliasing becomes noise.
+    """
+    effects = effects_of(rendering.effects)
     return matched(
         scene,
         rendering.size,
         rendering.ssaa,
-        effects_of(rendering.effects),
+        effects,
         samples=rendering.spp,
         part=rendering.seed * ties.PARTS + number,
+        jitter=rendering.parts > 1 and Effect.REFRACTION in effects,
     )
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from oitbench.effects import Effect, names
+from oitbench.path_traced.matched.render import is_random
 from oitbench.path_traced.references.storage import reference_key
 from oitbench.scene import Scene
 from oitbench.truths import FULL, MATCHED, traced_effects
@@ -13,6 +14,8 @@ from oitbench.views import MAIN
 REFRACTED_SSAA = 8
 """Least side of the sub-pixel grid of matched refraction, which aliases on a coarser one: sharp
 refracted edges differ by FLIP .04 between 2 and 4."""
+PART_SSAA = 4
+"""The same for each part of a random picture: the rays of its eight parts are jittered."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,8 +62,9 @@ class Wanted:
     @property
     def grid(self) -> int:
         """Side of the sub-pixel grid of the reference."""
-        refracts = self.truth == MATCHED and Effect.REFRACTION in self.effects
-        return max(self.ssaa, REFRACTED_SSAA) if refracts else self.ssaa
+        if self.truth != MATCHED or Effect.REFRACTION not in self.effects:
+            return self.ssaa
+        return max(self.ssaa, PART_SSAA if is_random(self.scene, self.effects) else REFRACTED_SSAA)
 
     @property
     def key(self) -> str:
