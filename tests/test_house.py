@@ -18,8 +18,8 @@ ENGINE = ROOT / "oitbench"
 CONTENT = ("methods", "scenes", "reports")
 ALLOWED = sys.stdlib_module_names | {"oitbench", "numpy", "matplotlib", "pandas"}
 HEAVY = ("mitsuba", "drjit", "pandas", "matplotlib", "skimage", "flip_evaluator", "OpenEXR", "PIL")
-HOMONYMS = {"engine", "glow", "hair"}
-"""Names of scenes that are also words: for the code that draws, emitted light, a part of people."""
+HOMONYMS = {"engine", "glow", "hair", "moments"}
+"""Names of scenes and methods that are also words of the field."""
 COMMENTS = {
     ".glsl": r"//[^\n]*|/\*.*?\*/",
     ".js": r"//[^\n]*|/\*.*?\*/",

@@ -213,7 +213,7 @@ class Strands(ViewMesh):
         width = np.asarray(self.width, dtype=np.float64)
         n, k = points.shape[:2]
         require(width.shape in ((), (n, 1), (n, k)), f"strands: width must be ({n}, {k}) or one")
-        object.__setattr__(self, "width", width)
+        object.__setattr__(self, "width", width if width.ndim else float(width))
         require_finite("strands", points=points, width=width)
         require(bool((width > 0).all()), "strands: width must be above 0")
         if self.radiances is not None:

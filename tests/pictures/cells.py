@@ -28,6 +28,8 @@ SHADING = (
     "translucent=published", "translucent=occluders", "translucent=published,downsampling=1",
     "translucent=occluders,downsampling=1", "downsampling=8", "slices=8", "rays=2",
 )  # fmt: skip
+FURTHER = ("moments[count=6,storage=unorm16]", "moments[count=8,storage=unorm16]")
+"""Methods of three values that reach branches which no pair of values reaches."""
 _GRAY = "-colored_shadows"
 _PLAIN = Effect.COVERAGE | Effect.COLORED_TRANSMISSION
 
@@ -135,6 +137,8 @@ def _of_scene(scene: str, collection: Collection) -> Iterator[Cell]:
     if scene in SHADOWED:
         for effects in (REQUESTED, _GRAY):
             yield from (Cell(scene, truth.label, effects, shading) for shading in SHADING)
+    if scene == METHOD_SCENES[0]:
+        yield from (Cell(scene, item.label) for item in collection.expand_methods(FURTHER))
     for name in collection.methods:
         plain = collection.methods[name]()
         rich = bool(plain.expresses & ~_PLAIN)

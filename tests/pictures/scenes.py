@@ -27,6 +27,7 @@ from oitbench.scene import (
     SpotLight,
     Texture,
     Vector,
+    Wrap,
 )
 from oitbench.scene.vectors import Floats
 
@@ -181,9 +182,42 @@ def decals() -> Scene:
     return Scene("decals", _CAMERA, objects, lights=(sun, sky))
 
 
-SCENES: Mapping[str, Callable[[], Scene]] = {
-    scene.__name__: scene for scene in (lists, sheets, glass, beams, surroundings, fog, decals)
-}
+def varied() -> Scene:
+    """Return surfaces of lit textures that wrap, with a cutoff, without backs, or with factors."""
+    wrap = Wrap.REPEAT, Wrap.MIRROR
+    colors, tint = (Texture(_noise(seed, 7, 5, 3), wrap) for seed in (14, 15))
+    rough = Texture(0.1 + 0.9 * _noise(16, 6, 9), wrap)
+    holes = Texture(_noise(17, 9, 6), wrap)
+    rich = Material(albedo=colors, roughness=rough, specular=0.4)
+    stained = Material(coverage=holes, albedo=colors, transmission=tint, roughness=rough)
+    lattice = Material(coverage=holes, albedo=(0.7, 0.3, 0.2), cutoff=0.5)
+    leaf = Material(coverage=0.7, albedo=(0.2, 0.8, 0.3), culled=True)
+    objects = (
+        Object("wall", _wrapped((0, 0, -6), (3, 0, 0), (0, 3, 0)), rich),
+        Object("stained", _wrapped((-0.5, 0.3, -3), (0.6, 0, 0.2), (0, 0.6, 0)), stained),
+        Object("lattice", _wrapped((0.6, -0.4, -3.4), (0.6, 0, -0.1), (0, 0.5, 0)), lattice),
+        Object("front", _factors((-0.6, -0.5, -2.8), (0.4, 0, 0), (0, 0.4, 0)), leaf),
+        Object("back", _factors((0.5, 0.5, -2.6), (-0.4, 0, 0), (0, 0.4, 0)), leaf),
+    )
+    sky = EnvironmentLight(Texture(_noise(18, 8, 16, 3)))
+    sun = DirectionalLight((-0.3, -0.4, -1.0), (2.0, 2.0, 2.0))
+    return Scene("varied", _CAMERA, objects, lights=(sun, sky))
+
+
+def plain_factors() -> Scene:
+    """Return surfaces that vary by factors of vertices alone, and one that has no back."""
+    glass = Material(coverage=0.8, transmission=(0.9, 0.6, 0.7), emission=(0.4, 0.2, 0.1))
+    wall = Material(emission=(0.3, 0.5, 0.4))
+    objects = (
+        Object("wall", quad((0, 0, -6), (3, 0, 0), (0, 3, 0)), wall),
+        Object("glass", _factors((-0.4, 0.1, -3), (0.6, 0, 0.2), (0, 0.7, 0)), glass),
+        Object("shell", sphere((0.6, 0.0, -3.5), 0.5, 10, 6), replace(glass, culled=True)),
+    )
+    return Scene("plain_factors", _CAMERA, objects, background=(0.1, 0.1, 0.2))
+
+
+_ALL = lists, sheets, glass, beams, surroundings, fog, decals, varied, plain_factors
+SCENES: Mapping[str, Callable[[], Scene]] = {scene.__name__: scene for scene in _ALL}
 """The scenes by name."""
 METHOD_SCENES = ("lists", "sheets")
 """Scenes on which the parameters of all methods run; they need no shading."""
@@ -192,6 +226,25 @@ DECALS = "decals"
 ALL_EFFECTS = "glass"
 """Scene that requests all effects of compositing. The parameters of methods run here that express
 more than colored coverage."""
+
+
+def _wrapped(center: Vector, right: Vector, up: Vector) -> Mesh:
+    """Return a sheet whose texture coordinates run from −1 to 2.5."""
+    mesh = quad(center, right, up)
+    assert mesh.uvs is not None
+    return replace(mesh, uvs=np.asarray(3.5 * mesh.uvs - 1, dtype=np.float32))
+
+
+def _factors(center: Vector, right: Vector, up: Vector) -> Mesh:
+    """Return a sheet with factors on albedo, transmission and coverage at its vertices."""
+    mesh = grid(center, right, up, 2, 2)
+    count = len(mesh.positions)
+    return replace(
+        mesh,
+        albedo=_noise(19, count, 3),
+        transmission=_noise(20, count, 3),
+        coverage=_noise(21, count),
+    )
 
 
 def _vector(values: Floats) -> Vector:

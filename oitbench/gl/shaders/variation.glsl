@@ -18,9 +18,14 @@ struct Variation {
 };
 Variation varied;
 
-#if defined(ALBEDO_TEXTURES) || defined(TRANSMISSION_TEXTURES) || defined(ROUGHNESS_TEXTURES) || \
-    defined(CUTOFF) || defined(CULLED)
+#if defined(ALBEDO_TEXTURES) || defined(TRANSMISSION_TEXTURES) || defined(ROUGHNESS_TEXTURES)
 #define VARIATION_TABLE 1
+#endif
+#if defined(CUTOFF) || defined(CULLED)
+#define VARIATION_TABLE 1
+#endif
+
+#ifdef VARIATION_TABLE
 uniform sampler2D surface_variation;   // two texels a material
 
 vec3 textured_factor(vec2 uv, float number) {
