@@ -9,11 +9,10 @@ from typing import Annotated, Final, Literal
 import msgspec
 from msgspec import Meta, Struct
 
-from oitbench import json_text
 from oitbench.atomic import replacing, writing
-from oitbench.errors import UsageError
 from oitbench.image.stored import StoredImage
 from oitbench.motion import metrics
+from oitbench.results.documents import read_document
 from oitbench.results.schema import Renderer
 from oitbench.results.table import shielded
 from oitbench.scene import Camera, Vector
@@ -203,26 +202,4 @@ def read(path: Path) -> MotionFile:
     UsageError
         The file cannot be read, holds something else, or another version of the suite wrote it.
     """
-    text = b""
-    try:
-        text = path.read_bytes()
-        return msgspec.json.decode(text, type=MotionFile)
-    except OSError as error:
-        raise UsageError(f"{path} cannot be read: {error.strerror}") from error
-    except (msgspec.DecodeError, UnicodeDecodeError, RecursionError) as error:
-        version = _version(text)
-        if version not in (None, VERSION):
-            raise UsageError(
-                f"{path} was written by another version of oitbench (schema {version}, this one has"
-                f" {VERSION}); run `oitbench motion` again"
-            ) from error
-        raise UsageError(f"{path} holds no results of `oitbench motion`: {error}") from error
-
-
-def _version(text: bytes) -> object:
-    """Return the schema of a JSON object, 0 if it has none, or None if this is no JSON object."""
-    try:
-        content = json_text.loads(text)
-    except ValueError:
-        return None
-    return content.get("schema", 0) if isinstance(content, dict) else None
+    return read_document(path, MotionFile, VERSION, "motion")

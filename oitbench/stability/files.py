@@ -9,9 +9,8 @@ from typing import Any
 
 import msgspec
 
-from oitbench import json_text
 from oitbench.atomic import replacing
-from oitbench.errors import UsageError
+from oitbench.results.documents import read_document
 from oitbench.results.schema import Renderer
 from oitbench.results.table import shielded
 from oitbench.stability.result import VERSION, CheckResult, StabilityFile
@@ -58,28 +57,7 @@ def read(path: Path) -> list[CheckResult]:
     UsageError
         The file cannot be read, holds something else, or another version of the suite wrote it.
     """
-    try:
-        text = path.read_bytes()
-        return msgspec.json.decode(text, type=StabilityFile).results
-    except OSError as error:
-        raise UsageError(f"{path} cannot be read: {error.strerror}") from error
-    except (msgspec.DecodeError, UnicodeDecodeError, RecursionError) as error:
-        version = _version(text)
-        if version not in (None, VERSION):
-            raise UsageError(
-                f"{path} was written by another version of oitbench (schema {version}, this one has"
-                f" {VERSION}); run `oitbench stability` again"
-            ) from error
-        raise UsageError(f"{path} holds no results of `oitbench stability`: {error}") from error
-
-
-def _version(text: bytes) -> Any:
-    """Return the schema of a JSON object, 0 if it has none, or None if this is no JSON object."""
-    try:
-        content = json_text.loads(text)
-    except ValueError:
-        return None
-    return content.get("schema", 0) if isinstance(content, dict) else None
+    return read_document(path, StabilityFile, VERSION, "stability").results
 
 
 def _columns() -> list[str]:
