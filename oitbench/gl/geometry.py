@@ -75,6 +75,8 @@ class Geometry(Owner):
     origin : Vector
         Position of that camera in the world in meters, less whole kilometers so that single
         precision resolves it. Patterns that stick to surfaces add it to relative positions.
+    transparent_range : (float, float)
+        `view.transparent_range` of the scene from where its camera is now.
     opaque, transparent : Batch
     casting : Batch
         Transparent objects that cast shadows.
@@ -106,7 +108,7 @@ class Geometry(Owner):
         self._camera = bounded_camera(self.scene)
         self.origin = _less_kilometers(scene.in_meters().camera.position)
         self._place, self._unit = scene.camera.position, scene.meters_per_unit
-        self._range = transparent_range(self.scene)
+        self.transparent_range = transparent_range(self.scene)
         self.textures: dict[str, moderngl.TextureArray | moderngl.Texture] = {}
         self._device = device
         self._storeys = 1
@@ -183,12 +185,12 @@ class Geometry(Owner):
         """Look from another camera, given in the scene's own unit; vertices stay as they are."""
         self.scene = replace(self.scene, camera=camera.relocated(self._place, self._unit))
         self._camera = bounded_camera(self.scene)
-        self._range = transparent_range(self.scene)
+        self.transparent_range = transparent_range(self.scene)
 
     def view(self, size: tuple[int, int], transmittance: bool = False, subsample: int = 1) -> bytes:
         """Return the bytes of `View` for a frame of the scene's camera; see `view_block`."""
-        origin, within = self.origin, self._range
-        return view_block(self._camera, size, transmittance, subsample, origin, within)
+        camera, within = self._camera, self.transparent_range
+        return view_block(camera, size, transmittance, subsample, self.origin, within)
 
     @property
     def coincident(self) -> tuple[str, str] | None:

@@ -191,7 +191,7 @@ def transparent_range(scene: Scene) -> tuple[float, float]:
     Parameters
     ----------
     scene : Scene
-        In meters, with the camera at the origin.
+        In meters.
     """
     near = scene.camera.near
     if scene.lists is not None:
@@ -199,7 +199,8 @@ def transparent_range(scene: Scene) -> tuple[float, float]:
         low, high = float(distances.min()), float(distances.max())
     elif scene.transparent:
         lowest, highest = _bounds(scene.transparent, scene.camera.axes)
-        low, high = -float(highest[2]), -float(lowest[2])
+        behind = float(np.asarray(scene.camera.position) @ scene.camera.axes[2])
+        low, high = behind - float(highest[2]), behind - float(lowest[2])
     else:
         low = high = near
     return max(low, near), max(high, near)

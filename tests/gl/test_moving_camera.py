@@ -10,6 +10,7 @@ import pytest
 from oitbench.gl.device import Device
 from oitbench.gl.frame import Frame, Image
 from oitbench.gl.uploaded_scene import UploadedScene
+from oitbench.gl.view import transparent_range
 from oitbench.scene import Camera, Scene
 from oitbench.shading import read_shading
 from tests.gl.test_coincidence import decal
@@ -100,6 +101,21 @@ def test_lengths_are_those_of_the_scene(device: Device) -> None:
 def test_some_geometry_belongs_to_its_camera(device: Device, scene: Scene) -> None:
     with UploadedScene(device, scene) as uploaded:
         assert not uploaded.movable
+
+
+def test_the_range_of_transparent_geometry_moves_with_the_camera(device: Device) -> None:
+    scene = collection().build_scene("bottles[detail=0.1]")
+    camera = scene.camera
+    away = np.asarray(camera.target) + 3 * np.subtract(camera.position, camera.target)
+    way = replace(camera, position=tuple(away.tolist()))
+    there = replace(scene, camera=way)
+    with UploadedScene(device, scene, COARSE) as uploaded:
+        before = transparent_range(uploaded.geometry.scene)
+        uploaded.move(way)
+        found = transparent_range(uploaded.geometry.scene)
+        assert uploaded.geometry.transparent_range == found
+    assert found[0] > before[1]
+    np.testing.assert_allclose(found, transparent_range(there.seen_from_camera()), rtol=1e-6)
 
 
 def test_an_orthographic_camera_moves(device: Device) -> None:
