@@ -139,8 +139,8 @@ class Set:
         return Shot(image, self.shown(image), fine.max(axis=(1, 3)) > 0)
 
     def shown(self, image: Image) -> Image:
-        """Return a picture as it is displayed."""
-        return files.to_srgb(image, self.scene.exposure)
+        """Return a picture as it is displayed; values that are not a number are black."""
+        return np.nan_to_num(files.to_srgb(image, self.scene.exposure))
 
 
 def exact_changes(shots: Sequence[Shot]) -> list[float]:
@@ -149,7 +149,7 @@ def exact_changes(shots: Sequence[Shot]) -> list[float]:
     for before, after in itertools.pairwise(shots):
         change = after.shown - before.shown
         pixels = before.transparent | after.transparent
-        changes.append(metrics.flicker(change, change, pixels).exact)
+        changes.append(metrics.flicker(change, pixels).mean)
     return changes
 
 
@@ -188,11 +188,11 @@ def film(
             stage.forget(used)
         kept.append(keep(number, image))
         flips.append(errors.flip_ldr(shot.linear, image, exposure))
-        error = np.nan_to_num(stage.shown(image)) - shot.shown
+        error = stage.shown(image) - shot.shown
         if before is not None:
             last = shots[number - 1]
             pixels = last.transparent | shot.transparent
-            found.append(metrics.flicker(error - before, shot.shown - last.shown, pixels))
+            found.append(metrics.flicker(error - before, pixels))
             jumps.append(metrics.jumps(error - before))
         before = error
     pops = [] if per_frame else _pops(stage, method, cameras, jumps)
@@ -224,7 +224,7 @@ def _at_rest(stage: Set, method: Method, cameras: Sequence[Camera], shots: Seque
             pictures.append(stage.shown(stage.picture(used, cameras[place])))
             stage.forget(used)
         change = pictures[1] - pictures[0]
-        changes.append(metrics.flicker(change, change, shots[place].transparent).mean)
+        changes.append(metrics.flicker(change, shots[place].transparent).mean)
     return metrics.mean(changes)
 
 
@@ -255,7 +255,7 @@ def _closely(
     def look(camera: Camera) -> tuple[Image, Image]:
         exact = metrics.in_block(stage.exact(camera).shown, block)
         shown = metrics.in_block(stage.shown(stage.picture(method, camera)), block)
-        return np.nan_to_num(shown) - exact, exact
+        return shown - exact, exact
 
     (first, first_exact), (last, last_exact) = look(one), look(other)
     for _ in range(HALVINGS):

@@ -35,31 +35,29 @@ class Flicker:
     """The excess change of one transition, over pixels with a transparent fragment.
 
     `mean` and `worst` (a percentile) are of the mean over the channels of a pixel's absolute
-    excess change; `largest` is the largest of any pixel. `exact` is the mean change of exact
-    compositing over the same pixels.
+    excess change; `largest` is the largest of any pixel.
     """
 
     mean: float
     worst: float
     largest: float
-    exact: float
 
 
-def flicker(excess: Image, exact: Image, pixels: npt.NDArray[np.bool_]) -> Flicker:
+def flicker(excess: Image, pixels: npt.NDArray[np.bool_]) -> Flicker:
     """Return the flicker of one transition.
 
     Parameters
     ----------
-    excess, exact : array, shape (h, w, 3)
-        Excess change of the method, and change of exact compositing.
+    excess : array, shape (h, w, 3)
+        Excess change of the method.
     pixels : array, shape (h, w)
         Pixels with a transparent fragment before or after.
     """
     if not pixels.any():
-        return Flicker(0.0, 0.0, 0.0, 0.0)
-    changes, own = (np.abs(a[pixels]).mean(axis=-1, dtype=np.float64) for a in (excess, exact))
+        return Flicker(0.0, 0.0, 0.0)
+    changes = np.abs(excess[pixels]).mean(axis=-1, dtype=np.float64)
     worst = float(np.percentile(changes, WORST))
-    return Flicker(float(changes.mean()), worst, float(changes.max()), float(own.mean()))
+    return Flicker(float(changes.mean()), worst, float(changes.max()))
 
 
 def blocks(change: Image) -> tuple[Floats, Floats]:

@@ -109,13 +109,8 @@ class Track(_Typed, frozen=True):
 
     @property
     def worst_pop(self) -> Pop | None:
-        """The largest jump that is left; None if there is none."""
-        return max(self.pops, key=lambda pop: pop.popping - pop.exact, default=None)
-
-    @property
-    def popping(self) -> float:
-        """The largest excess jump that is left; 0 if there is none."""
-        return self.worst_pop.popping if self.worst_pop else 0.0
+        """The jump that exceeds exact compositing's most, of those that pop if any does."""
+        return max(self.pops, key=lambda pop: (pop.pops, pop.popping - pop.exact), default=None)
 
 
 class MotionFile(_Typed, frozen=True):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -9,7 +10,6 @@ import numpy as np
 
 from oitbench.filenames import file_name
 from oitbench.image.files import Image
-from oitbench.motion.record import Track
 from oitbench.report.motion import CHANGE, Footage
 from oitbench.report.plates import magma
 
@@ -40,7 +40,8 @@ def write(footage: Footage, folder: Path, kind: str) -> list[Path]:
     written = []
     for track in footage.found.tracks:
         path = folder / f"{file_name(track.label)}.{kind}"
-        first, *others = [_panels(footage, track, k) for k in range(len(track.frames))]
+        shown = [footage.shown(image) for image in track.frames]
+        first, *others = [_panels(footage, track.label, shown, k) for k in range(len(shown))]
         # The format of GIF ignores what it does not know.
         first.save(
             path,
@@ -54,7 +55,7 @@ def write(footage: Footage, folder: Path, kind: str) -> list[Path]:
     return written
 
 
-def _panels(footage: Footage, track: Track, number: int) -> Picture:
+def _panels(footage: Footage, label: str, shown: Sequence[Image], number: int) -> Picture:
     """Return one frame of a clip."""
     from PIL import Image as Pictures
     from PIL import ImageDraw
@@ -63,10 +64,10 @@ def _panels(footage: Footage, track: Track, number: int) -> Picture:
     scale = max(1, -(-_LEAST_WIDTH // width))
     change = np.zeros((height, width), np.float32)
     if number:
-        change = footage.change(track, number - 1)
+        change = footage.change(number - 1, shown[number - 1 : number + 1])
     panels = (
         ("exact compositing", footage.exact[number]),
-        (track.label, footage.shown(track.frames[number])),
+        (label, shown[number]),
         ("excess change", magma(change / CHANGE)),
     )
     step = scale * width + _GAP

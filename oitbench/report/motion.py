@@ -78,14 +78,22 @@ class Footage:
         """The displayed frames of exact compositing."""
         return [self.shown(image) for image in self.found.exact]
 
-    def change(self, track: Track | None, place: int) -> Image:
+    def frame(self, track: Track | None, number: int) -> Image:
+        """Return a displayed frame of a method, or of exact compositing."""
+        return self.exact[number] if track is None else self.shown(track.frames[number])
+
+    def change(self, place: int, own: Sequence[Image] = ()) -> Image:
         """Return the absolute change of each pixel in a transition, (h, w).
 
-        It is that of exact compositing, or the excess change of a method.
+        Parameters
+        ----------
+        place : int
+        own : sequence of two arrays, optional
+            Both displayed frames of a method, for its excess change. Default: the change is that
+            of exact compositing.
         """
         change = self.exact[place + 1] - self.exact[place]
-        if track is not None:
-            own = [self.shown(image) for image in track.frames[place : place + 2]]
+        if own:
             change = own[1] - own[0] - change
         spread: Image = np.abs(change).mean(axis=-1)
         return spread
@@ -160,17 +168,16 @@ def _strip(footage: Footage, path: Path) -> Figure:
     with figures.canvas(figures.WIDTH, height, by_hand=True) as canvas:
         for number, track in enumerate(rows):
             top = MARGIN + number * (_HEADING + down + GAP) + _HEADING
-            pictures = footage.exact if track is None else list(map(footage.shown, track.frames))
             place = _transition(found, track)
             lefts = _lefts(across)
-            shown = [(pictures[k], f"{k}") for k in even.tolist()]
-            shown += [(pictures[k], f"{k}") for k in (place, place + 1)]
-            for (picture, label), left in zip(shown, lefts, strict=False):
+            frames = [*even.tolist(), place, place + 1]
+            pictures = [footage.frame(track, frame) for frame in frames]
+            places = [*lefts[: len(even)], *lefts[-3:-1]]
+            for frame, picture, left in zip(frames, pictures, places, strict=True):
                 draw_picture(canvas, picture, left, top, across)
-                _write(canvas, left, top - 0.03, label, size=6.5, color=figures.QUIET)
-            draw_picture(
-                canvas, magma(footage.change(track, place) / CHANGE), lefts[-1], top, across
-            )
+                _write(canvas, left, top - 0.03, f"{frame}", size=6.5, color=figures.QUIET)
+            changed = footage.change(place, pictures[-2:] if track else ())
+            draw_picture(canvas, magma(changed / CHANGE), lefts[-1], top, across)
             change = "change" if track is None else "excess change"
             _write(canvas, lefts[-1], top - 0.03, change, size=6.5, color=figures.QUIET)
             pop = track.worst_pop if track else None

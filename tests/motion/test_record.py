@@ -7,6 +7,7 @@ import json
 from pathlib import Path
 
 import pytest
+from msgspec.structs import replace
 
 from oitbench.errors import UsageError
 from oitbench.motion import record
@@ -39,6 +40,16 @@ def test_a_pop_exceeds_exact_compositing_and_a_step_of_the_display(
     popping: float, exact: float, pops: bool
 ) -> None:
     assert Pop(0, (0, 0), popping, exact).pops is pops
+
+
+def test_the_jump_that_is_shown_pops_if_any_does(tmp_path: Path) -> None:
+    pops = Pop(0, (0, 0), 0.0045, 0.0038)
+    exceeds = Pop(1, (0, 0), 0.0038, 0.0)
+    assert (pops.pops, exceeds.pops) == (True, False)
+    found = made_up.track(tmp_path, "sorted_over")
+    assert replace(found, pops=[exceeds, pops]).worst_pop == pops
+    assert replace(found, pops=[exceeds]).worst_pop == exceeds
+    assert found.worst_pop is None
 
 
 def test_the_table_has_a_row_for_each_frame(tmp_path: Path) -> None:

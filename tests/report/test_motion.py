@@ -10,7 +10,7 @@ import pytest
 from PIL import Image as Pictures
 
 from oitbench.motion.record import FRAMES
-from oitbench.report import Figure, Note, Table, clips
+from oitbench.report import Figure, Note, Table, clips, motion
 from oitbench.report.motion import Footage
 from oitbench.report.templates import environment
 from tests.helpers import collection
@@ -78,11 +78,28 @@ def test_a_damaged_frame_costs_only_its_folder(tmp_path: Path) -> None:
 def test_changes_are_in_excess_of_exact_compositing(tmp_path: Path) -> None:
     found = made_up.write(tmp_path)
     footage = Footage(tmp_path, found)
-    own = footage.change(None, 0)
-    shown = [footage.shown(image) for image in found.tracks[0].frames[:2]]
+    own = footage.change(0)
+    shown = [footage.frame(found.tracks[0], number) for number in (0, 1)]
     np.testing.assert_allclose(
-        footage.change(found.tracks[0], 0), abs((shown[1] - shown[0]).mean(axis=-1) - own)
+        footage.change(0, shown), abs((shown[1] - shown[0]).mean(axis=-1) - own)
     )
+
+
+def test_the_pair_of_a_short_path_stands_beside_its_change(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    lefts: dict[float, list[float]] = {}
+
+    def draw(canvas: object, picture: object, left: float, top: float, width: float) -> None:
+        lefts.setdefault(top, []).append(left)
+
+    monkeypatch.setattr(motion, "draw_picture", draw)
+    motion.write(Footage(tmp_path, made_up.write(tmp_path)), tmp_path / "out")
+    for row in lefts.values():
+        assert len(row) == made_up.COUNT + 3
+        gaps = np.diff(sorted(row))
+        # One place is free: that of the fourth frame that is evenly spaced.
+        assert gaps.argmax() == made_up.COUNT - 1
 
 
 @pytest.mark.parametrize("kind", ["webp", "gif"])
