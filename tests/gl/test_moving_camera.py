@@ -11,7 +11,8 @@ from oitbench.gl.device import Device
 from oitbench.gl.frame import Frame, Image
 from oitbench.gl.uploaded_scene import UploadedScene
 from oitbench.gl.view import transparent_range
-from oitbench.scene import Camera, Scene
+from oitbench.modeling.mesh import quad
+from oitbench.scene import Camera, Material, Medium, Object, Scene
 from oitbench.shading import read_shading
 from tests.gl.test_coincidence import decal
 from tests.helpers import collection, method, opened, random_lists, render, scene_of
@@ -116,6 +117,20 @@ def test_the_range_of_transparent_geometry_moves_with_the_camera(device: Device)
         assert uploaded.geometry.transparent_range == found
     assert found[0] > before[1]
     np.testing.assert_allclose(found, transparent_range(there.seen_from_camera()), rtol=1e-6)
+
+
+def test_an_orthographic_camera_moves_beside_fog(device: Device) -> None:
+    blue = Material(emission=(0.2, 0.4, 0.6))
+    wall = Object("wall", quad((0, 0, -6), (9, 0, 0), (0, 9, 0)), blue)
+    fog = Medium(1.5, (-0.5, -0.5, -3.0), (0.5, 0.5, -2.0), ambient=(0.9, 0.5, 0.3))
+    camera = Camera((0.0, 0.0, 0.0), (0.0, 0.0, -1.0), height=3.0)
+    scene = Scene("fog", camera, (wall,), medium=fog)
+    way = replace(camera, position=(0.8, 0.3, 0.5), target=(0.8, 0.3, -1.0))
+    found = seen_after_moving(device, scene, "phenomenological", [way])
+    there = replace(scene, camera=way)
+    expected = render(device, there, "phenomenological", size=SIZE, settings=COARSE)
+    assert np.ptp(expected) > 0.2
+    assert (abs(found - expected).max(axis=-1) > 0.01).mean() < 0.01
 
 
 def test_an_orthographic_camera_moves(device: Device) -> None:

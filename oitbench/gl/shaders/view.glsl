@@ -49,10 +49,13 @@ vec3 pixel_ray(vec2 pixel) {
     return transpose(mat3(world_to_camera)) * vec3(slope, -1.0);
 }
 
-// Where the pixel's ray leaves the plane of the eye, relative to the camera, m.
+// Where the pixel's ray leaves the plane of the eye, relative to the camera of the upload, m.
 vec3 pixel_origin(vec2 pixel) {
-    vec2 offset = (pixel - view_center) / pixel_focal;
-    return eye.w == 0.0 ? transpose(mat3(world_to_camera)) * vec3(offset, 0.0) : eye.xyz;
+    if (eye.w != 0.0) {
+        return eye.xyz;
+    }
+    vec3 place = vec3((pixel - view_center) / pixel_focal, 0.0) - world_to_camera[3].xyz;
+    return transpose(mat3(world_to_camera)) * place - origin.xyz;
 }
 
 const uint NONE = 0xFFFFFFFFu;
