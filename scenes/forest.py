@@ -29,7 +29,7 @@ import numpy as np
 
 from oitbench.modeling.baking import Rig, diffuse, normals_of, tint, with_radiance
 from oitbench.modeling.detail import DETAIL, copies, divisions, enlargement
-from oitbench.modeling.mesh import grid
+from oitbench.modeling.mesh import grid, triangle_areas
 from oitbench.modeling.placement import merge
 from oitbench.modeling.props.sprays import Growth, bent_cards, frond, grass, twig
 from oitbench.modeling.tubes import tubes
@@ -192,22 +192,26 @@ def _undergrowth(random: np.random.Generator, detail: float) -> Iterator[Growth]
 
 
 class _Light:
-    """The sun and the sky behind all cards, and the mist before everything."""
+    """The sun and the sky behind all cards, and the mist before everything.
+
+    A card counts with the area that its leaves cover, so that fewer and larger cards shade as much.
+    """
 
     def __init__(self, random: np.random.Generator, placed: list[tuple[Growth, Mesh]]) -> None:
+        self._random = random
         points, weights = [], []
         for growth, cards in placed:
             corners = cards.positions.reshape(-1, 6, 3)
             mix = random.dirichlet(np.ones(6), (len(corners), 10))
             points.append((mix @ corners).reshape(-1, 3))
-            area = 4 * growth.half[0] * growth.half[1] * growth.spray.coverage.texels.mean()
-            weights.append(np.full(len(points[-1]), area / 10))
-        spots, areas = np.concatenate(points), np.concatenate(weights)
-        leaves = density(spots, areas, LOW, HIGH, CELL)
+            covered = growth.spray.coverage.texels.mean() * triangle_areas(cards)
+            weights.append(covered.reshape(len(corners), -1).sum(axis=1).repeat(10) / 10)
+        spots, leafy = np.concatenate(points), np.concatenate(weights)
+        leaves = density(spots, leafy, LOW, HIGH, CELL)
         self._sun = leaves.integral_toward(SUN.direction)
         self._up = leaves.integral_toward((0.05, 1, 0.02))
         fallen = spots - spots[:, 1:2] / SUN.direction[1] * SUN.direction
-        self._dapples = density(fallen, areas, LOW, (HIGH[0], 1.0, HIGH[2]), DAPPLES)
+        self._dapples = density(fallen, leafy, LOW, (HIGH[0], 1.0, HIGH[2]), DAPPLES)
 
     def sun(self, points: Floats) -> Floats:
         return np.exp(-0.30 * self._sun.at(points))[:, None]
@@ -223,7 +227,7 @@ class _Light:
             0.5 + 0.25 * np.sin(2.1 * x + 1.7 * np.sin(1.3 * z)) + 0.25 * np.sin(5.2 * z - 3 * x)
         )
         path = np.exp(-(((x - _path(z)) / 0.8) ** 2))
-        color = tint(np.clip(mottled * (1 - path), 0, 1), EARTH[::-1][::-1])
+        color = tint(np.clip(mottled * (1 - path), 0, 1), EARTH)
         color = color + (np.array([0.34, 0.26, 0.17]) - color) * 0.75 * path[:, None]
         lit = np.exp(-1.1 * self._dapples.at(points * [1, 0, 1]))[:, None]
         return self._seen(mesh, color * diffuse(normals_of(mesh), SUN, lit, self.sky(points)))
@@ -246,7 +250,7 @@ class _Light:
         toward_eye = ((np.asarray(CAMERA.position) - points) * normals).sum(axis=1)
         through = (facing * toward_eye < 0)[:, None]
         sun = self.sun(points + 0.4 * SUN.direction) * (0.25 + 0.75 * np.abs(facing[:, None]))
-        shades = np.random.default_rng(len(points)).random(len(points) // 6).repeat(6)
+        shades = self._random.random(len(points) // 6).repeat(6)
         light = sun * np.asarray(SUN.key) * np.where(through, TRANSMITTED, 0.7)
         sky = self.sky(points) * (0.6 + 0.4 * np.abs(normals[:, 1:2])) * np.asarray(SUN.sky)
         return self._seen(cards, tint(shades, growth.colors) * (light + 1.3 * sky))

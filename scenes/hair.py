@@ -18,7 +18,7 @@ near : float
 Hundreds of strands lie behind each other at the silhouette, and all of them within 0.25 m of depth:
 weights that fall with distance hardly differ. Hair soon hides what is behind it, so that the first
 twenty layers matter and the order of the strands in the mesh, which is random, does not help. Light
-is baked in: diffuse light, two highlights of Marschner's kind for the main camera, and the shadow
+is baked in: diffuse light, two shifted highlights for the main camera, and the shadow
 that hair casts on itself and on the bust.
 """
 
@@ -76,7 +76,7 @@ ROOM = 3.0
 SKIN: RGB = (0.78, 0.52, 0.41)
 # Reflectance of the hair from the darkest to the lightest strand.
 DARK, LIGHT = np.array([0.16, 0.062, 0.022]), np.array([0.62, 0.30, 0.12])
-# The box of the hair, meters, and the length of hair per volume that halves the light on 1 cm.
+# The box of the hair, meters.
 LOW, HIGH = (-0.2, -0.36, -0.2), (0.2, 0.17, 0.17)
 CELL = 0.006
 THICKNESS = 2.2e-4  # effective width in meters by which a strand dims light

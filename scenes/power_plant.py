@@ -30,7 +30,7 @@ import numpy as np
 
 from oitbench.modeling.baking import Rig, diffuse, normals_of, with_radiance
 from oitbench.modeling.detail import DETAIL, copies, divisions
-from oitbench.modeling.mesh import grid, sphere
+from oitbench.modeling.mesh import grid, sphere, triangle_areas
 from oitbench.modeling.placement import merge
 from oitbench.modeling.props.piping import (
     beams,
@@ -68,7 +68,7 @@ FLOORS = (4.0, 8.0, 12.0)
 LOW, HIGH, CELL = (-19.0, 0.0, -13.0), (19.0, 20.0, 13.0), 0.5
 BUNDLES, MOST_IN_BUNDLE, CORNERS = 105, 8, 5
 RADII, SHARES = (0.02, 0.03, 0.045, 0.07, 0.13, 0.22), (0.26, 0.28, 0.22, 0.14, 0.07, 0.03)
-# Colors of the pipes by what flows in them: steam, water, air, gas, oil, fire water, drains.
+# Colors of the pipes by what flows in them: steam, water, air, gas, oil, fire water.
 PAINTS: tuple[tuple[str, RGB, float], ...] = (
     ("steam", (0.62, 0.64, 0.66), 0.30),
     ("water", (0.10, 0.42, 0.22), 0.20),
@@ -218,7 +218,7 @@ def _steel(detail: float) -> list[Part]:
         rails.append(railing(loop, sides))
     steps = np.linspace(0, 1, 17)[:-1]
     stairs = [
-        grid((12.6 - 0.0 * s, floor - 4 + 4 * s + 0.125, 7 - 5.0 * s), (0.5, 0, 0), (0, 0, -0.16))
+        grid((12.6, floor - 4 + 4 * s + 0.125, 7 - 5.0 * s), (0.5, 0, 0), (0, 0, -0.16))
         for floor in FLOORS
         for s in steps
     ]
@@ -237,10 +237,8 @@ class _Light:
     def __init__(self, meshes: list[Mesh]) -> None:
         spots, areas = [], []
         for mesh in meshes:
-            corners = mesh.positions[mesh.triangles]
-            spots.append(corners.mean(axis=1))
-            normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-            areas.append(np.linalg.norm(normals, axis=1) / 2)
+            spots.append(mesh.positions[mesh.triangles].mean(axis=1))
+            areas.append(triangle_areas(mesh))
         parts = density(np.concatenate(spots), np.concatenate(areas), LOW, HIGH, CELL).smoothed(0.5)
         self._sun = parts.integral_toward(SUN.direction)
         self._up: Voxels = parts.integral_toward((0.0, 1.0, 0.1))

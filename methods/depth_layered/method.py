@@ -27,11 +27,11 @@ Transmission is gray.
 """
 
 import oitbench as oit
+from oitbench.method.kits.absorbance import BOUNDS, FIND_BOUNDS
 
 _PER_PASS = 4
 """Slabs that one pass fills; with their absorbances in one target they are five targets."""
 _BLOCKS = ("near", "far")
-_NOTHING = (-1e38, -1e38)
 
 
 class DepthLayered(oit.Method):
@@ -52,10 +52,8 @@ class DepthLayered(oit.Method):
         held = min(self.layers, _PER_PASS)
         color = oit.Target(oit.float_format("rgba", self.precision))
         absorbance = oit.Target(oit.float_format("rgba"[:held], self.precision))
-        targets = {"bounds": oit.Target("rg32f", clear=_NOTHING), "color": color}
-        passes: list[oit.Step] = [
-            oit.Gather("absorbance/bounds.glsl", writes={"bounds": oit.MAXIMUM})
-        ]
+        targets = {"bounds": BOUNDS, "color": color}
+        passes: list[oit.Step] = [FIND_BOUNDS]
         slabs: list[str] = []
         for block in range(self.layers // held):
             base = _BLOCKS[block]

@@ -31,7 +31,7 @@ def grid(center: Vector, right: Vector, up: Vector, columns: int = 1, rows: int 
     positions = np.asarray(center, dtype=np.float64) + (2 * uvs - 1) @ edges
     normal = unit(np.cross(edges[0], edges[1]))
     return Mesh.from_arrays(
-        positions, _lattice(columns, rows), uvs=uvs, normals=np.tile(normal, (len(uvs), 1))
+        positions, lattice(columns, rows), uvs=uvs, normals=np.tile(normal, (len(uvs), 1))
     )
 
 
@@ -101,7 +101,7 @@ def lathe(profile: npt.ArrayLike, slices: int) -> Mesh:
     angle[-1] = 0.0  # equal to the first column exactly, so that the seam cannot crack
     around = np.stack([np.sin(angle), np.cos(angle)], axis=1)
     u, v = np.meshgrid(np.linspace(0, 1, slices + 1), np.linspace(0, 1, len(points)))
-    positions, triangles = _revolve(points, around), _lattice(slices, len(points) - 1)
+    positions, triangles = _revolve(points, around), lattice(slices, len(points) - 1)
     return Mesh.from_arrays(
         positions,
         triangles[~collapsed(positions, triangles)],
@@ -128,7 +128,14 @@ def collapsed(positions: npt.NDArray[np.floating], triangles: Indices) -> npt.ND
     return np.asarray((corners == following).all(axis=2).any(axis=1))
 
 
-def _lattice(columns: int, rows: int) -> Indices:
+def triangle_areas(mesh: Mesh) -> Floats:
+    """Return the areas of the triangles of a mesh, shape (m,)."""
+    corners = mesh.positions[mesh.triangles]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    return np.asarray(np.linalg.norm(normals, axis=1) / 2)
+
+
+def lattice(columns: int, rows: int) -> Indices:
     """Return two triangles per cell of a (rows + 1) × (columns + 1) array of vertices."""
     column, row = np.meshgrid(np.arange(columns), np.arange(rows))
     corner = (row * (columns + 1) + column).ravel()

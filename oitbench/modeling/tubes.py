@@ -7,7 +7,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from oitbench.modeling.mesh import collapsed
+from oitbench.modeling.mesh import collapsed, lattice
 from oitbench.scene import Floats, Mesh, unit
 
 
@@ -43,16 +43,7 @@ def tubes(curves: Floats, radii: npt.ArrayLike, sides: int) -> Mesh:
     )
     reach = np.broadcast_to(np.asarray(radii, dtype=np.float64), (count, length))
     positions = (curves[:, :, None] + reach[..., None, None] * normals).reshape(-1, 3)
-    column, row = np.meshgrid(np.arange(sides), np.arange(length - 1))
-    corner = (row * (sides + 1) + column).ravel()
-    above = corner + sides + 1
-    faces = np.stack(
-        [
-            np.stack([corner, corner + 1, above + 1], axis=1),
-            np.stack([corner, above + 1, above], axis=1),
-        ],
-        axis=1,
-    ).reshape(-1, 3)
+    faces = lattice(sides, length - 1).astype(np.int64)
     triangles = faces[None] + length * (sides + 1) * np.arange(count)[:, None, None]
     triangles = triangles.reshape(-1, 3)
     u, v = np.meshgrid(np.linspace(0, 1, sides + 1), np.linspace(0, 1, length))

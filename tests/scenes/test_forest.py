@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
-from oitbench.scene import Texture
+from oitbench.scene import Scene, Texture
 from tests.scenes.helpers import build, named, view_distances
 
 SMALL = "forest[detail=0.1]"
@@ -60,3 +61,15 @@ def test_cards_stand_before_the_mist_and_above_the_ground() -> None:
     for item in scene.transparent:
         assert view_distances(scene, item.mesh).max() < sky
         assert np.quantile(item.mesh.positions[:, 1], 0.05) > -0.2
+
+
+@pytest.mark.parametrize("detail", [0.1, 0.4])
+def test_fewer_and_larger_cards_shade_as_much(detail: float) -> None:
+    """The mean radiance of leaves, over vertices, is that of the whole forest."""
+    fewer, whole = (leaf_light(build(f"forest[detail={value}]")) for value in (detail, 1))
+    np.testing.assert_allclose(fewer, whole, rtol=0.05)
+
+
+def leaf_light(scene: Scene) -> float:
+    shades = [item.mesh.radiance for item in scene.transparent if item.mesh.radiance is not None]
+    return float(np.concatenate(shades).mean())

@@ -29,9 +29,9 @@ _STEPS, _STEP = 64, 0.0075
 def grow(random: np.random.Generator, count: int, points: int) -> Floats:
     """Return the curves of `count` strands in random order, shape (count, points, 3)."""
     body = sampled(_obstacle, _LOW, _HIGH, _CELL)
-    starts = _roots(random, LOCKS, body)
+    starts = _roots(random, LOCKS)
     guides = _fall(random, starts, body, points)
-    roots = _roots(random, count, body)
+    roots = _roots(random, count)
     return _strands(random, roots, starts, guides, body)
 
 
@@ -41,7 +41,7 @@ def _obstacle(points: Floats) -> Floats:
     return np.minimum(bust.distance(points), face)
 
 
-def _roots(random: np.random.Generator, count: int, body: Voxels) -> Floats:
+def _roots(random: np.random.Generator, count: int) -> Floats:
     """Return random places on the scalp, shape (count, 3)."""
     center, radii = (np.asarray(part) for part in bust.CRANIUM)
     found: list[Floats] = []
@@ -105,7 +105,7 @@ def _strands(
     from scipy import spatial
 
     count, points = len(roots), guides.shape[1]
-    parted = np.array([0.35 if PARTING else 0.0, 0.0, 0.0])
+    parted = np.array([0.35, 0.0, 0.0])
     sides = np.sign(starts[:, :1] - PARTING), np.sign(roots[:, :1] - PARTING)
     # The two sides of the parting are moved apart, so that no strand mixes them.
     tree = spatial.cKDTree(starts + parted * sides[0])

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from oitbench.modeling.detail import divisions
-from oitbench.modeling.mesh import box, lathe
+from oitbench.modeling.mesh import box, lathe, lattice
 from oitbench.modeling.placement import merge, rotation, transform, translation
 from oitbench.modeling.profiles import smooth_curve
 from oitbench.modeling.tubes import tubes
@@ -158,15 +158,7 @@ def _sheet(points: Floats) -> Mesh:
     """Return a smooth sheet through a grid of points, shape (rows, columns, 3)."""
     rows, columns = points.shape[:2]
     normals = unit(np.cross(np.gradient(points, axis=1), np.gradient(points, axis=0)))
-    column, row = np.meshgrid(np.arange(columns - 1), np.arange(rows - 1))
-    corner = (row * columns + column).ravel()
-    above = corner + columns
-    faces = np.concatenate(
-        [
-            np.stack([corner, corner + 1, above + 1], axis=1),
-            np.stack([corner, above + 1, above], axis=1),
-        ]
-    )
+    faces = lattice(columns - 1, rows - 1)
     u, v = np.meshgrid(np.linspace(0, 1, columns), np.linspace(0, 1, rows))
     uvs = np.stack([u.ravel(), v.ravel()], axis=1)
     return Mesh.from_arrays(points.reshape(-1, 3), faces, normals=normals.reshape(-1, 3), uvs=uvs)
@@ -207,7 +199,7 @@ def _windows(shape: Shape) -> list[Mesh]:
         np.stack([[feet[3] * _MIRROR, feet[3]], [heads[3] * _MIRROR, heads[3]]]),
     ]
     for side in (np.ones(3), _MIRROR):
-        lower = np.array([feet[0], feet[1], feet[2], feet[3]]) * side
+        lower = feet * side
         upper = heads * side
         upper[[0, 3]] = lower[[0, 3]] + 0.04 * (upper[[0, 3]] - lower[[0, 3]])
         order = slice(None, None, 1 if side[2] < 0 else -1)
