@@ -3,8 +3,8 @@
 Processors and libraries differ in the last digits of sines and sums. Values are therefore rounded,
 to steps that are far above such differences and far below everything that a picture shows:
 
-- positions of vertices, to 10⁻⁶ of the scene's size, which is the longest side of the bounding box
-  of all vertices that a triangle uses;
+- positions of vertices, sprites and strands, to 10⁻⁶ of the scene's size, which is the longest side
+  of the bounding box of all vertices that a triangle uses;
 - positions of cameras, lights and media, to 10⁻⁹ of their distance from the origin or of the
   scene's size, whichever is larger, but not coarser than vertices;
 - all other numbers, to 30 binary digits, which are nine decimal ones;
@@ -41,6 +41,8 @@ _ARRAY_DIGITS = 20
 _SMALL = 1e-4
 _PLACES = frozenset({"position", "target", "low", "high"})
 """Fields that hold a point in the world as a tuple."""
+_POINTS = frozenset({"positions", "centers", "points"})
+"""Fields of meshes that hold points in the world as an array."""
 _UNSEEN = (
     (Scene, "name"), (Scene, "full_samples"), (Scene, "views"), (Scene, "path"), (Object, "name"),
 )  # fmt: skip
@@ -124,7 +126,7 @@ class _Encoder:
 
     def _field(self, owner: Any, name: str) -> bytes:
         value = getattr(owner, name)
-        if isinstance(owner, Mesh) and name == "positions":
+        if isinstance(owner, Mesh) and name in _POINTS:
             return _points(value, _VERTEX_STEP * self._size)
         if name in _PLACES and isinstance(value, tuple):
             reach = max(self._size, *map(abs, value))

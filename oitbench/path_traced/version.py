@@ -6,4 +6,4 @@ fails if that was forgotten.
 
 from __future__ import annotations
 
-TRACER = 2
+TRACER = 3

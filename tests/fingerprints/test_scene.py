@@ -31,6 +31,8 @@ from oitbench.scene import (
     Object,
     Scene,
     SpotLight,
+    Sprites,
+    Strands,
     Texture,
     Wrap,
 )
@@ -191,6 +193,19 @@ def nudged(value: Any, direction: float) -> Any:
     if isinstance(value, float) and np.isfinite(value):
         return float(np.nextafter(value, direction))
     return tuple(nudged(item, direction) for item in value) if isinstance(value, tuple) else value
+
+
+@pytest.mark.parametrize("far", [0.0, 1e3, 1e5])
+@pytest.mark.parametrize("kind", ["sprites", "strands"])
+def test_small_moves_far_from_the_origin_matter(kind: str, far: float) -> None:
+    def scene(shift: float) -> Scene:
+        points = np.array([(0.0, 0.0, -3.0), (0.3 + shift, 0.1, -3.0), (1.0, 0.0, -3.0)])
+        points[:, 0] += far
+        mesh = Sprites(points, 0.1) if kind == "sprites" else Strands(points[None], 0.1)
+        fog = (Object("fog", mesh, Material(coverage=0.5)),)
+        return Scene("x", Camera((far, 0.0, 0.0), (far, 0.0, -1.0)), fog)
+
+    assert scene_fingerprint(scene(1e-4)) != scene_fingerprint(scene(0.0))
 
 
 @pytest.mark.parametrize("name", collection().scenes)

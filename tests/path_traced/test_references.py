@@ -287,6 +287,13 @@ def test_matched_and_full_references_of_a_scene_stand_side_by_side(tmp_path: Pat
     assert read_back(tmp_path).variance is not None
 
 
+def test_the_main_view_is_never_stored_however_its_name_was_made() -> None:
+    plain = make_reference(make_scene()).rendering
+    named = msgspec.convert({**msgspec.to_builtins(plain), "view": "".join("main")}, Rendering)
+    assert named == plain
+    assert msgspec.json.encode(named) == msgspec.json.encode(plain)
+
+
 def glass(medium: Medium | None = None) -> Scene:
     """Return a refracting ball, in fog if there is a medium."""
     material = Material(coverage=1.0, transmission=(0.9, 0.9, 0.9), index=1.5, solid=True)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -21,14 +22,11 @@ class View:
     camera : Camera
     width, height : int
         Number of sub-pixels along each side: the size of the image times `ssaa`.
-    jitter : int, optional
-        Seed by which each ray passes through its sub-pixel at random instead.
     """
 
     camera: Camera
     width: int
     height: int
-    jitter: int | None = None
 
     @property
     def step(self) -> tuple[float, float]:
@@ -40,9 +38,15 @@ class View:
         return tall * (self.width / self.height) / self.width, tall / self.height
 
     def rays(
-        self, first: int, last: int
+        self, first: int, last: int, seed: Sequence[int] = ()
     ) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
         """Return the rays of the sub-pixels `first` … `last` − 1, row by row from the top.
+
+        Parameters
+        ----------
+        first, last : int
+        seed : sequence of int
+            If it is not empty, each ray passes through its sub-pixel at a random place.
 
         Returns
         -------
@@ -55,8 +59,8 @@ class View:
         right, up, back = self.camera.axes
         step_x, step_y = self.step
         across, down = 0.5, 0.5
-        if self.jitter is not None:
-            across, down = np.random.default_rng((self.jitter, first)).random((2, last - first))
+        if seed:
+            across, down = np.random.default_rng(seed).random((2, last - first))
         x = (index % self.width + across - self.width / 2) * step_x
         y = (self.height / 2 - index // self.width - down) * step_y
         aside = x[:, None] * right + y[:, None] * up

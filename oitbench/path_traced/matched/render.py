@@ -102,12 +102,12 @@ def matched(
     scene = scene.resolved(size[1] * ssaa).near_origin()
     mitsuba = llvm.load()
     require_wide(scene, mitsuba)
-    view = View(scene.camera, size[0] * ssaa, size[1] * ssaa, part if jitter else None)
+    view = View(scene.camera, size[0] * ssaa, size[1] * ssaa)
     stage = _Stage(mitsuba, scene, view, ssaa, running, random)
     total: Any = 0.0
     count = samples if random else 1
     for sample in range(count):
-        image = stage.sample((part, sample))
+        image = stage.sample((part, sample), jitter)
         require_finite_rays(scene, image)
         total = total + box_downsample(image, ssaa)
     return np.asarray(total / count, dtype=np.float32)
@@ -143,13 +143,14 @@ class _Stage:
             radius = scene.ambient_occlusion
             self._openness = Openness(*modules, self._surfaces, traced, radius)
 
-    def sample(self, key: tuple[int, int]) -> Image:
+    def sample(self, key: tuple[int, int], jitter: bool) -> Image:
         """Return one sample of each sub-pixel, shape (h, w, 3); `key` seeds random numbers."""
         walk, view = self._walk(key), self._view
         count = view.width * view.height
         parts = []
         for first in range(0, count, _CHUNK):
-            rays = view.rays(first, min(first + _CHUNK, count))
+            seed = (key[0], first, key[1]) if jitter else ()
+            rays = view.rays(first, min(first + _CHUNK, count), seed)
             turn = Turn(
                 seed_of(*key, first), seed_of(key[0]), key[1], first, view.width, self._ssaa
             )

@@ -103,6 +103,7 @@ def plan_rendering(wanted: Wanted, spp: int | None = None, seed: int = 1) -> Ren
         mitsuba=str(llvm.backend().mitsuba),
         fingerprint=scene_fingerprint(scene),
         view=wanted.view,
+        jitter=wanted.jittered,
     )
 
 
@@ -136,19 +137,15 @@ def render_reference(
 
 
 def render_part(scene: Scene, rendering: Rendering, number: int) -> Image:
-    """Return a part of a matched reference, the same in every call.
-
-    The rays of a random refracted one are jittered, so that aliasing becomes noise.
-    """
-    effects = effects_of(rendering.effects)
+    """Return a part of a matched reference, the same in every call."""
     return matched(
         scene,
         rendering.size,
         rendering.ssaa,
-        effects,
+        effects_of(rendering.effects),
         samples=rendering.spp,
         part=rendering.seed * ties.PARTS + number,
-        jitter=rendering.parts > 1 and Effect.REFRACTION in effects,
+        jitter=rendering.jitter,
     )
 
 

@@ -91,6 +91,8 @@ class Rendering(Struct, frozen=True, forbid_unknown_fields=True, omit_defaults=T
         Fingerprint of the scene as seen from the view.
     view : str
         Name of the camera; not stored if it is the main one.
+    jitter : bool
+        Whether rays pass through their sub-pixels at random; stored if they do.
     """
 
     scene: str
@@ -106,6 +108,12 @@ class Rendering(Struct, frozen=True, forbid_unknown_fields=True, omit_defaults=T
     mitsuba: str
     fingerprint: str
     view: str = MAIN
+    jitter: bool = False
+
+    def __post_init__(self) -> None:
+        if self.view == MAIN:
+            # Defaults are left out where they are the same object, not where they are equal.
+            msgspec.structs.force_setattr(self, "view", MAIN)
 
     @property
     def key(self) -> str:

@@ -60,11 +60,20 @@ class Wanted:
         return names(self.scene.effects & ~self.effects)
 
     @property
+    def jittered(self) -> bool:
+        """Whether rays pass through their sub-pixels at random, so that aliasing becomes noise."""
+        return self._refracts and is_random(self.scene, self.effects)
+
+    @property
     def grid(self) -> int:
         """Side of the sub-pixel grid of the reference."""
-        if self.truth != MATCHED or Effect.REFRACTION not in self.effects:
+        if not self._refracts:
             return self.ssaa
-        return max(self.ssaa, PART_SSAA if is_random(self.scene, self.effects) else REFRACTED_SSAA)
+        return max(self.ssaa, PART_SSAA if self.jittered else REFRACTED_SSAA)
+
+    @property
+    def _refracts(self) -> bool:
+        return self.truth == MATCHED and Effect.REFRACTION in self.effects
 
     @property
     def key(self) -> str:
