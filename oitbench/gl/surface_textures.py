@@ -15,7 +15,7 @@ import numpy as np
 
 from oitbench.gl.device import Device
 from oitbench.gl.ownership import Owner
-from oitbench.scene import Array, Material, Object, Texture, Wrap
+from oitbench.scene import WRAPS, Array, Material, Object, Texture
 from oitbench.scene.environment import GRADES, lobe_number, rough_lobes
 from oitbench.scene.texturing import (
     SLOTS,
@@ -27,8 +27,6 @@ from oitbench.scene.texturing import (
     threshold_of,
 )
 
-_WRAPS = (Wrap.CLAMP, Wrap.REPEAT, Wrap.MIRROR)
-"""By their numbers in `textures.glsl`."""
 MATERIALS_ACROSS = 1024
 """Materials in a row of their texture, two texels each."""
 
@@ -110,7 +108,7 @@ class SurfaceTextures(Owner):
         for key, one in images.items():
             self.numbers[key] = len(rows)
             pyramid = premultiplied_pyramid(one)
-            wraps = sum(_WRAPS.index(wrap) << 2 * axis for axis, wrap in enumerate(one.wrap))
+            wraps = sum(WRAPS.index(wrap) << 2 * axis for axis, wrap in enumerate(one.wrap))
             for image in pyramid:
                 height, width = image.shape[:2]
                 rows.append((first, width, height, wraps + (len(pyramid) << 4)))
@@ -118,19 +116,19 @@ class SurfaceTextures(Owner):
                 first += height * width
         pages = Pages.of(first, device)
         across = min(len(rows), _ACROSS)
-        device.within(f"{len(images)} textures", len(rows) // across, "GL_MAX_TEXTURE_SIZE")
+        up = math.ceil(len(rows) / across)
+        device.within(f"{len(images)} textures", up, "GL_MAX_TEXTURE_SIZE")
         wraps_any = any(row[3] & 15 for row in rows)
         self.macros = pages.macros | {"LEVELS_ACROSS": across} | ({"WRAPS": 1} if wraps_any else {})
         stored = np.zeros((pages.layers * pages.up * pages.across, 4), dtype=np.float32)
         np.concatenate(texels, out=stored[:first])
-        table = np.zeros((math.ceil(len(rows) / across) * across, 4), dtype=np.int32)
+        table = np.zeros((up * across, 4), dtype=np.int32)
         table[: len(rows)] = rows
         context = device.context
         with self.building():
             size = pages.across, pages.up, pages.layers
             array = self.own(context.texture_array(size, 4, stored, dtype="f4"))
-            shape = across, len(table) // across
-            levels = self.own(context.texture(shape, 4, table.tobytes(), dtype="i4"))
+            levels = self.own(context.texture((across, up), 4, table.tobytes(), dtype="i4"))
             for texture in (array, levels):
                 texture.filter = (moderngl.NEAREST, moderngl.NEAREST)
         self.samplers: dict[str, moderngl.TextureArray | moderngl.Texture] = {
@@ -164,7 +162,7 @@ def _table(device: Device, numbers: Sequence[Sequence[float]]) -> moderngl.Textu
 def _row_of(item: Object, lobes: Sequence[float]) -> list[float]:
     material = item.material
     roughness = 1.0 if isinstance(material.roughness, Texture) else material.roughness
-    index = material.index if material.refracts else 1.0
+    index = material.index if item.refracts else 1.0
     mapped = item.casts and not item.opaque
     facts = (material.isotropic, material.binary_coverage, item.receives_shadows, mapped)
     flags = sum(fact << bit for bit, fact in enumerate(facts))

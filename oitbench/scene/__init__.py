@@ -32,7 +32,7 @@ from oitbench.scene.lights import (
     Light,
     SpotLight,
 )
-from oitbench.scene.material import LEAST_LOBE, Material, Texture, Wrap
+from oitbench.scene.material import LEAST_LOBE, WRAPS, Material, Texture, Wrap
 from oitbench.scene.medium import Medium, sample_density
 from oitbench.scene.model import Scene
 from oitbench.scene.objects import FragmentLists, Mesh, Object
@@ -56,6 +56,7 @@ __all__ = [
     "PENUMBRA",
     "RGB",
     "WHITE",
+    "WRAPS",
     "Array",
     "Camera",
     "DirectionalLight",

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import Enum
+from functools import cached_property
 
 import numpy as np
 
@@ -32,6 +33,10 @@ class Wrap(str, Enum):
     """It begins anew."""
     MIRROR = "mirror"
     """It begins anew, every second time mirrored."""
+
+
+WRAPS = tuple(Wrap)
+"""By their numbers in the tables of both renderers."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -155,10 +160,14 @@ class Material:
                 alike = not isinstance(other, Texture) or other.wrap == self.coverage.wrap
                 require(alike, f"material: coverage and {name} wrap differently; let them agree")
         if self.refracts and not self.opaque:
-            whole = self.cutoff is None and not self.culled
-            require(whole, "material: a refracting solid has cutoff or culled; leave them out")
-            even = not any(isinstance(one, Texture) for one in (self.albedo, self.transmission))
-            require(even, "material: a refracting solid is even; give one albedo and transmission")
+            self.require_even("material")
+
+    def require_even(self, owner: str) -> None:
+        """Raise `SceneError` if a refracting solid of this material would vary or have holes."""
+        whole = self.cutoff is None and not self.culled
+        require(whole, f"{owner}: a refracting solid has cutoff or culled; leave them out")
+        even = not any(isinstance(one, Texture) for one in (self.albedo, self.transmission))
+        require(even, f"{owner}: a refracting solid is even; give one albedo and transmission")
 
     @property
     def opaque(self) -> bool:
@@ -182,7 +191,7 @@ class Material:
             return self.specular
         return ((self.index - 1) / (self.index + 1)) ** 2
 
-    @property
+    @cached_property
     def tints(self) -> bool:
         """Whether the transmitted fraction may differ between channels."""
         transmission, albedo = self.transmission, self.albedo

@@ -263,7 +263,7 @@ def _requested_effects(scene: Scene) -> Effect:
     lists, medium = scene.lists, scene.medium
     if lists is not None:
         colored = colored or bool((lists.transmission != lists.transmission[..., :1]).any())
-    refracting = any(m.refracts for m in transparent)
+    refracting = any(item.refracts for item in scene.transparent)
     diffusing = any(m.collimation < 1 for m in transparent)
     occluded = scene.ambient_occlusion > 0
     lit = bool(scene.beams)

@@ -178,12 +178,13 @@ class Object:
             not textured or mesh.uvs is not None,
             f"object {self.name}: its material has a texture but its mesh has no uvs; add uvs",
         )
-        even = mesh.albedo is None and mesh.transmission is None
-        require(
-            even or not material.refracts or material.opaque,
-            f"object {self.name}: a refracting solid is even; leave albedo and transmission out of"
-            " its mesh",
-        )
+        if self.refracts:
+            material.require_even(f"object {self.name}")
+            require(
+                mesh.albedo is None and mesh.transmission is None,
+                f"object {self.name}: a refracting solid is even; leave albedo and transmission out"
+                " of its mesh",
+            )
 
     @property
     def opaque(self) -> bool:
@@ -192,6 +193,11 @@ class Object:
         return whole and self.material.opaque
 
     @property
+    def refracts(self) -> bool:
+        """Whether light that passes changes its direction; see `Material.refracts`."""
+        return self.material.refracts and not self.opaque
+
+    @cached_property
     def tints(self) -> bool:
         """Whether the transmitted fraction may differ between channels."""
         if self.material.transmission == BLACK:

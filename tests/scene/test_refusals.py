@@ -86,6 +86,11 @@ WRONG: list[tuple[Callable[[], object], str]] = [
     (lambda: glass(culled=True), "material: a refracting solid has cutoff or culled"),
     (lambda: glass(albedo=texture(2, 2)), "material: a refracting solid is even"),
     (lambda: glass(transmission=texture(2, 2)), "material: a refracting solid is even"),
+    # No light passes the material, but it passes where the mesh is not covered.
+    (
+        lambda: Object("x", mesh(coverage=[0.5] * 4), Material(solid=True, index=1.5, culled=True)),
+        "object x: a refracting solid has cutoff or culled",
+    ),
     (lambda: mesh(coverage=[0.5]), r"mesh: coverage must be \(4,\)"),
     (lambda: mesh(coverage=[0.5, 0.5, 2, 1]), "mesh: coverage must lie"),
     (lambda: mesh(albedo=np.full((4, 3), -1)), "mesh: albedo must lie"),

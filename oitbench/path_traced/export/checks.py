@@ -25,7 +25,7 @@ def require_traceable(scene: Scene) -> None:
         )
     for item in scene.transparent:
         reach = float(np.ptp(item.mesh.used_positions, axis=0).max())
-        if item.material.refracts and mean_chord(item.mesh) <= _FLAT * reach:
+        if item.refracts and mean_chord(item.mesh) <= _FLAT * reach:
             raise CapabilityError(
                 f"scene {scene.name}: {item.name} is a refracting solid without volume, so it"
                 " cannot be path traced; close its mesh, or make it a thin sheet"

@@ -44,7 +44,7 @@ def build_mesh(mitsuba: ModuleType, film: Film, group: Sequence[Object]) -> Any:
         [_light(item.material, mesh) for item, mesh in zip(group, meshes, strict=True)]
     )
     properties = mitsuba.Properties("mesh")
-    refracts = group[0].material.refracts and not group[0].opaque
+    refracts = group[0].refracts
     # The interfaces of solids are traced by `optics`, with the indices on both of their sides.
     properties["film"] = mitsuba.load_dict({"type": "null"}) if refracts else make_bsdf(film)
     if light.any():

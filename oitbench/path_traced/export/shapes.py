@@ -10,7 +10,7 @@ FILMS, SOLIDS = "films", "solids"
 
 def solids(scene: Scene) -> list[Object]:
     """Return the refracting solids of `scene`, in submission order."""
-    return [item for item in scene.transparent if item.material.refracts]
+    return [item for item in scene.transparent if item.refracts]
 
 
 def layout(scene: Scene) -> dict[str, list[Object]]:

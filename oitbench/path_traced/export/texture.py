@@ -9,11 +9,8 @@ from typing import Any
 import numpy as np
 
 from oitbench.path_traced.export.view import View
-from oitbench.scene import Wrap
+from oitbench.scene import WRAPS, Wrap
 from oitbench.scene.texturing import Images, premultiplied_pyramid
-
-WRAPS = (Wrap.CLAMP, Wrap.REPEAT, Wrap.MIRROR)
-"""By their numbers in the tables."""
 
 
 @dataclass(frozen=True)

@@ -35,7 +35,7 @@ def separated(scene: Scene) -> Scene:
 
 
 def _separated(scene: Scene) -> Scene:
-    solids = [item for item in scene.transparent if item.material.refracts]
+    solids = [item for item in scene.transparent if item.refracts]
     corners = [item.mesh.positions[item.mesh.triangles] for item in solids]
     if len(solids) < 2:
         return scene

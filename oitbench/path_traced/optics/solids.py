@@ -78,7 +78,7 @@ class Solids:
         The rank rises with the priority. Of equal priorities, the first solid has the highest rank.
         Lines start from the point `start`.
         """
-        found = [item for item in scene.transparent if item.material.refracts]
+        found = [item for item in scene.transparent if item.refracts]
         # Sorting keeps the order of equal priorities.
         chosen = sorted(found, key=lambda item: -item.priority)[::-1]
         ranks = {item.name: rank for rank, item in enumerate(chosen, 1)}

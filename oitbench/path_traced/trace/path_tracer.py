@@ -40,12 +40,11 @@ FAINT = 0.05
 def is_random(scene: Scene) -> bool:
     """Return whether paths in `scene` need random numbers, for directions or to look for light."""
     materials = [item.material for item in scene.objects]
-    passing = [item.material for item in scene.transparent]
     diffuse = any(material.diffuse for material in materials)
     return (
         scene.medium is not None
         or any(material.reflectance > 0 and not material.isotropic for material in materials)
-        or any(material.refracts or material.collimation < 1 for material in passing)
+        or any(item.refracts or item.material.collimation < 1 for item in scene.transparent)
         or (scene.environment is not None and diffuse)
         # A ray may cross hundreds of particles, and each would look for the beams.
         or (bool(scene.beams) and any(item.particles for item in scene.objects))

@@ -21,4 +21,4 @@ def default_samples(scene: Scene) -> int:
         return PARTICLES
     if scene.medium is not None:
         return MEDIUM
-    return REFRACTION if any(item.material.refracts for item in scene.objects) else OTHER
+    return REFRACTION if any(item.refracts for item in scene.objects) else OTHER

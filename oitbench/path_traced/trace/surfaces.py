@@ -239,7 +239,7 @@ def _times(value: Any, factor: Any) -> Any:
 def _values(item: Object, variation: Variation) -> dict[str, npt.NDArray[np.float32]]:
     """Return the properties of an object by column; properties that do not apply are zero."""
     material = item.material
-    refracts = material.refracts and not item.opaque
+    refracts = item.refracts
     values: dict[str, Any] = {
         "coverage": constants_of(material)[1],
         "glows": isinstance(material.emission, Texture) or material.emission != BLACK,
