@@ -76,7 +76,7 @@ def command(file: Path, out: Path, name: str | None, **options: Any) -> None:
         raise UsageError(f"a scene cannot have the name '{title}'; give another one by --name")
     if module.exists():
         raise UsageError(f"{module} exists; give another name by --name, or remove it")
-    _keep(file.resolve(), needed, module, given)
+    _keep(file, needed, module, given)
     click.echo(f"{module}: kept with {1 + len(needed)} files")
     again = ["oitbench", "run", "--collection", str(out), "--scene", title]
     click.echo(f"next: {shlex.join(again)}")

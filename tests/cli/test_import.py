@@ -189,3 +189,15 @@ def test_a_module_that_cannot_be_written_is_one_clear_line(call: Call, tmp_path:
     (tmp_path / "mine" / "scenes").mkdir(parents=True)
     (tmp_path / "mine" / "scenes" / "card.py").symlink_to(tmp_path / "gone" / "card.py")
     call("import", path, "-o", tmp_path / "mine").assert_refused("card.py cannot be kept: No such")
+
+
+def test_a_link_is_kept_under_its_own_name(call: Call, tmp_path: Path) -> None:
+    (tmp_path / "blobs").mkdir()
+    write(tmp_path / "blobs", "3fa9", TRIANGLE)
+    (tmp_path / "card.obj").symlink_to(tmp_path / "blobs" / "3fa9")
+    answer = call("import", tmp_path / "card.obj", "-o", tmp_path / "mine")
+    assert answer.code == 0, answer
+    kept = tmp_path / "mine" / "scenes" / "card" / "card.obj"
+    assert kept.read_text() == TRIANGLE
+    assert not kept.is_symlink()
+    assert Collection(Places([tmp_path / "mine"])).build_scene("card").name == "card"
