@@ -8,11 +8,14 @@ import numpy as np
 
 from oitbench.importing.gltf import extensions as known
 from oitbench.importing.gltf.document import Document
+from oitbench.importing.gltf.primitives import Geometry
 from oitbench.importing.gltf.schema import Material as Described
 from oitbench.importing.gltf.schema import TextureInfo
 from oitbench.importing.gltf.textures import Layer, Placement, Textures
 from oitbench.importing.limits import short
 from oitbench.importing.looks import (
+    METAL,
+    VERTICES,
     collimation_of,
     color,
     divided,
@@ -23,11 +26,8 @@ from oitbench.importing.pictures import fractions, linear
 from oitbench.importing.shapes import encloses
 from oitbench.importing.values import Canvas, Values, same_size
 from oitbench.modeling.glass import transmission as through_solid
-from oitbench.scene import BLACK, RGB, Material, Mesh, Object, Texture
+from oitbench.scene import BLACK, RGB, Floats, Material, Mesh, Object, Texture
 
-_METAL = (
-    "metals: the part of the base color that all channels share is mirrored, the rest is diffuse"
-)
 _EVEN = "solids have the mean of their textures and of their colors at vertices"
 _OPEN = (
     "a volume is a thin sheet if it has a cutoff, or if no closed mesh with normals outwards"
@@ -78,17 +78,26 @@ class Materials:
 
     def __init__(self, document: Document) -> None:
         self._document, self._textures = document, Textures(document)
-        self._looks: dict[int | None, Look] = {}
+        self._looks: dict[tuple[int | None, Geometry | None], Look] = {}
 
-    def look(self, index: int | None) -> Look:
-        """Return the look of a material; None for the default one."""
-        if index not in self._looks:
-            described = Described()
-            if index is not None:
-                described = self._document.part("material", self._document.gltf.materials, index)
+    def look(self, index: int | None, geometry: Geometry | None) -> Look:
+        """Return the look of a material, None for the default one, on a geometry.
+
+        Only metals depend on the geometry: on the colors of its vertices.
+        """
+        described = Described()
+        if index is not None:
+            described = self._document.part("material", self._document.gltf.materials, index)
+        colors = None if geometry is None else geometry.colors
+        metallic = described.pbr_metallic_roughness.metallic_factor > 0
+        if not metallic or known.UNLIT in described.extensions:
+            colors = None
+        key = index, None if colors is None else geometry
+        if key not in self._looks:
             name = described.name or ("the default" if index is None else f"material {index}")
-            self._looks[index] = _Reader(self._document, self._textures, described, name).look()
-        return self._looks[index]
+            reader = _Reader(self._document, self._textures, described, name)
+            self._looks[key] = reader.look(None if colors is None else colors[:, :3])
+        return self._looks[key]
 
     def fitted(self, look: Look, mesh: Mesh, name: str, scale: float) -> Object | None:
         """Return the object of a look and a mesh; None if nothing of it can be seen.
@@ -147,8 +156,8 @@ class _Reader:
         if described.occlusion_texture is not None:
             self._notes.add("baked occlusion is ignored; oitbench has effects for it", name)
 
-    def look(self) -> Look:
-        """Return the look of the material."""
+    def look(self, colors: Floats | None) -> Look:
+        """Return the look of the material; `colors` are those of vertices, shape (n, 3)."""
         described, pbr = self._described, self._described.pbr_metallic_roughness
         layer = self._layer(pbr.base_color_texture)
         factor = np.array(pbr.base_color_factor, dtype=np.float32)
@@ -167,9 +176,9 @@ class _Reader:
                 material, emission=self._canvas().color(base), specular=0.0, roughness=1.0
             )
             return self._finished(material, None, unlit=True)
-        return self._lit(material, base)
+        return self._lit(material, base, colors)
 
-    def _lit(self, material: Material, base: Values) -> Look:
+    def _lit(self, material: Material, base: Values, colors: Floats | None) -> Look:
         described, pbr = self._described, self._described.pbr_metallic_roughness
         metallic = np.array([pbr.metallic_factor], dtype=np.float32)
         roughness = np.array([pbr.roughness_factor], dtype=np.float32)
@@ -179,12 +188,14 @@ class _Reader:
             roughness = roughness * fractions(layer.pixels[..., 1:2])
         passing = self._passing()
         base, metallic, passing = same_size(base, metallic, passing)
-        found = divided(base, metallic, passing)
+        found = divided(base, metallic, passing, colors)
         passes = bool((passing * (1 - metallic)).any())
         index = self._index()
         specular = self._specular(index, metallic, found.mirrored)
+        if colors is not None and metallic.any() and (colors != colors[0]).any():
+            self._notes.add(VERTICES, self._name)
         if found.colored_metal:
-            self._notes.add(_METAL, self._name)
+            self._notes.add(METAL, self._name)
         mean = float(roughness.mean())
         material = replace(
             material,

@@ -57,7 +57,7 @@ class _Reader:
                     owner = mesh.name or f"mesh {number}"
                     raise SceneError(f"{short(owner)}: {error}") from error
             geometry = self._geometries[key]
-            look = self._materials.look(primitive.material)
+            look = self._materials.look(primitive.material, geometry)
             if geometry is None:
                 continue
             title = self._names.free(name)
