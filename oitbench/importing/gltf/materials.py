@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -11,7 +12,7 @@ from oitbench.importing.gltf.document import Document
 from oitbench.importing.gltf.primitives import Geometry
 from oitbench.importing.gltf.schema import Material as Described
 from oitbench.importing.gltf.schema import TextureInfo
-from oitbench.importing.gltf.textures import Layer, Placement, Textures
+from oitbench.importing.gltf.textures import Placement, Textures
 from oitbench.importing.limits import short
 from oitbench.importing.looks import (
     METAL,
@@ -22,12 +23,15 @@ from oitbench.importing.looks import (
     reflectance_of,
     transmission_of,
 )
-from oitbench.importing.pictures import fractions, linear
+from oitbench.importing.pictures import Bytes, fractions, linear
 from oitbench.importing.shapes import encloses
 from oitbench.importing.values import Canvas, Values, same_size
 from oitbench.modeling.glass import transmission as through_solid
 from oitbench.scene import BLACK, RGB, Floats, Material, Mesh, Object, Texture
 
+_COLOR, _RED, _GREEN, _BLUE, _ALPHA = (
+    slice(0, 3), slice(0, 1), slice(1, 2), slice(2, 3), slice(3, 4),
+)  # fmt: skip
 _EVEN = "solids have the mean of their textures and of their colors at vertices"
 _OPEN = (
     "a volume is a thin sheet if it has a cutoff, or if no closed mesh with normals outwards"
@@ -159,13 +163,9 @@ class _Reader:
     def look(self, colors: Floats | None) -> Look:
         """Return the look of the material; `colors` are those of vertices, shape (n, 3)."""
         described, pbr = self._described, self._described.pbr_metallic_roughness
-        layer = self._layer(pbr.base_color_texture)
         factor = np.array(pbr.base_color_factor, dtype=np.float32)
-        base: Values = factor[:3]
-        alpha: Values = factor[3:]
-        if layer is not None:
-            base = base * linear(layer.pixels[..., :3])
-            alpha = alpha * fractions(layer.pixels[..., 3:])
+        base = factor[:3] * self._texels(pbr.base_color_texture, _COLOR, linear)
+        alpha = factor[3:] * self._texels(pbr.base_color_texture, _ALPHA, fractions)
         material = Material(
             coverage=1.0 if self._mode == "OPAQUE" else self._canvas().scalar(alpha),
             cutoff=min(described.alpha_cutoff, 1.0) if self._mode == "MASK" else None,
@@ -180,12 +180,9 @@ class _Reader:
 
     def _lit(self, material: Material, base: Values, colors: Floats | None) -> Look:
         described, pbr = self._described, self._described.pbr_metallic_roughness
-        metallic = np.array([pbr.metallic_factor], dtype=np.float32)
-        roughness = np.array([pbr.roughness_factor], dtype=np.float32)
-        layer = self._layer(pbr.metallic_roughness_texture)
-        if layer is not None:
-            metallic = metallic * fractions(layer.pixels[..., 2:3])
-            roughness = roughness * fractions(layer.pixels[..., 1:2])
+        map_ = pbr.metallic_roughness_texture
+        metallic = np.float32(pbr.metallic_factor) * self._texels(map_, _BLUE, fractions)
+        roughness = np.float32(pbr.roughness_factor) * self._texels(map_, _GREEN, fractions)
         passing = self._passing()
         base, metallic, passing = same_size(base, metallic, passing)
         found = divided(base, metallic, passing, colors)
@@ -253,10 +250,8 @@ class _Reader:
         if found is not None:
             strength = found.specular_factor
             tint = np.array(found.specular_color_factor)
-            alpha, colors = (
-                self._used(found.specular_texture),
-                self._used(found.specular_color_texture),
-            )
+            alpha = self._textures.layer(found.specular_texture)
+            colors = self._textures.layer(found.specular_color_texture)
             if alpha is not None:
                 strength *= float(fractions(alpha.pixels[..., 3]).mean())
             if colors is not None:
@@ -276,9 +271,8 @@ class _Reader:
         found = self._described.extension(known.TRANSMISSION, known.Transmission)
         if found is None:
             return np.zeros(1, dtype=np.float32)
-        factor = np.array([found.transmission_factor], dtype=np.float32)
-        layer = self._layer(found.transmission_texture)
-        return factor if layer is None else factor * fractions(layer.pixels[..., :1])
+        texels = self._texels(found.transmission_texture, _RED, fractions)
+        return np.asarray(np.float32(found.transmission_factor) * texels)
 
     def _emission(self) -> tuple[float, float, float] | Texture:
         described = self._described
@@ -286,26 +280,27 @@ class _Reader:
         factor = np.array(described.emissive_factor, dtype=np.float32)
         if strength is not None:
             factor = factor * np.float32(strength.emissive_strength)
-        layer = self._layer(described.emissive_texture) if factor.any() else None
-        return self._canvas().color(
-            factor if layer is None else factor * linear(layer.pixels[..., :3])
-        )
+        if factor.any():
+            factor = factor * self._texels(described.emissive_texture, _COLOR, linear)
+        return self._canvas().color(factor)
 
-    def _used(self, info: TextureInfo | None) -> Layer | None:
-        return self._textures.layer(info)
+    def _texels(
+        self, info: TextureInfo | None, channels: slice, decode: Callable[[Bytes], Values]
+    ) -> Values:
+        """Return linear values of a texture that lies as the others of the material.
 
-    def _layer(self, info: TextureInfo | None) -> Layer | None:
-        """Return a texture that lies as the others of the material; else its mean."""
-        layer = self._used(info)
+        They are ones if there is no texture, and means if it lies otherwise.
+        """
+        layer = self._textures.layer(info)
         if layer is None:
-            return None
+            return np.ones(1, dtype=np.float32)
         if self._placement is None:
             self._placement = layer.placement
+        values = decode(layer.pixels[..., channels])
         if layer.placement == self._placement:
-            return layer
+            return values
         self._notes.add(_MEANS, self._name)
-        mean = layer.pixels.mean(axis=(0, 1), keepdims=True).round().astype(np.uint8)
-        return replace(layer, pixels=mean)
+        return np.asarray(values.mean(axis=(0, 1), dtype=np.float64), dtype=np.float32)
 
     def _canvas(self) -> Canvas:
         return Canvas(self._budget, None if self._placement is None else self._placement.wrap)
