@@ -123,6 +123,20 @@ def surface(folder: Path, described: str, text: str = SQUARE + "usemtl m\nf 1 2 
     return one(folder, "mtllib m.mtl\n" + text)
 
 
+@pytest.mark.parametrize("blank", ["\t", " \t ", "  "])
+def test_any_blanks_follow_a_keyword(blank: str, tmp_path: Path) -> None:
+    def spaced(text: str) -> str:
+        lines = (line.partition(" ") for line in text.splitlines())
+        return "".join(f"{blank}{key}{blank}{rest}{blank}\n" for key, _, rest in lines)
+
+    write(tmp_path, "m.mtl", spaced("newmtl the red\nKd 1 0 0\nd 0.5\n"))
+    text = spaced("mtllib m.mtl\no a square\n" + SQUARE + "usemtl the red\ns off\nf 1 2 3 4\n")
+    imported = load(tmp_path, text)
+    (item,) = imported.scene.objects
+    assert (item.name, area(item), imported.notes) == ("a square", 1, ())
+    assert (item.material.albedo, item.material.coverage) == ((1, 0, 0), 0.5)
+
+
 def test_materials_of_wavefront(tmp_path: Path) -> None:
     thin = surface(tmp_path, "Kd 0.8 0.8 0.8\nd 0.25\nTf 1 1 1\nillum 2").material
     assert (thin.coverage, thin.transmission) == (0.25, BLACK)

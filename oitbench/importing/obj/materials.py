@@ -11,7 +11,7 @@ from oitbench.importing.files import Folder
 from oitbench.importing.limits import Budget, short
 from oitbench.importing.looks import PLASTIC, color, roughness_of_exponent
 from oitbench.importing.notes import Notes
-from oitbench.importing.obj.text import lines_of, numbers_of
+from oitbench.importing.obj.text import keyword_of, lines_of, numbers_of
 from oitbench.importing.pictures import Bytes, fractions, linear, read_picture
 from oitbench.importing.shapes import encloses
 from oitbench.importing.values import Canvas, Values, same_size
@@ -80,8 +80,7 @@ class Library:
         self._budget.take("bytes of text", len(content))
         current: _Described | None = None
         for line in lines_of(content):
-            key, _, rest = line.strip().partition(" ")
-            rest = rest.strip()
+            key, rest = keyword_of(line)
             if key == "newmtl":
                 self._budget.take("nodes", 1)
                 current = self._described.setdefault(rest, _Described(rest))

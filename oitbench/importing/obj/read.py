@@ -14,7 +14,7 @@ from oitbench.importing.limits import Budget, short
 from oitbench.importing.notes import Notes
 from oitbench.importing.obj.faces import Run, corners_of
 from oitbench.importing.obj.materials import Library
-from oitbench.importing.obj.text import lines_of, table_of
+from oitbench.importing.obj.text import keyword_of, lines_of, table_of
 from oitbench.importing.shapes import Indices
 from oitbench.scene import Floats, Mesh, Object
 
@@ -84,7 +84,7 @@ def _sorted(lines: list[str], notes: Notes) -> _Lines:
     title, group, material, smooth = "", "", "", 0
     run: Run | None = None
     for line in lines:
-        key, _, rest = line.strip().partition(" ")
+        key, rest = keyword_of(line)
         if key == "f":
             if run is None:
                 run = Run((len(found.vertices), len(found.coordinates), len(found.normals)), smooth)
@@ -99,15 +99,15 @@ def _sorted(lines: list[str], notes: Notes) -> _Lines:
         elif key == "vn":
             found.normals.append(rest)
         elif key == "usemtl":
-            material = rest.strip()
+            material = rest
         elif key == "o":
-            title = rest.strip()
+            title = rest
         elif key == "g":
-            group = rest.strip()
+            group = rest
         elif key == "s":
             smooth = _smoothing(rest)
         elif key == "mtllib":
-            found.libraries.append(rest.strip())
+            found.libraries.append(rest)
         elif key in ("p", "l"):
             notes.add("points and lines are left out")
         elif key not in _SILENT and not key.startswith("#"):
@@ -117,10 +117,9 @@ def _sorted(lines: list[str], notes: Notes) -> _Lines:
 
 def _smoothing(text: str) -> int:
     """Return the number of a smoothing group; 0 for flat faces."""
-    word = text.strip()
-    if word in ("", "off"):
+    if text in ("", "off"):
         return 0
-    return min(int(word), 2**30) if word.isascii() and word.isdigit() else 1
+    return min(int(text), 2**30) if text.isascii() and text.isdigit() else 1
 
 
 @dataclass(frozen=True, eq=False)
