@@ -92,14 +92,23 @@ def _keep(file: Path, needed: dict[str, Path], module: Path, given: dict[str, An
     """Copy a file and what it needs, and write the module of its scene.
 
     An environment is named by its copy from then on.
+
+    Raises
+    ------
+    UsageError
+        The environment has the name of another file.
+    StorageError
+        The folder cannot be written.
     """
+    from oitbench.importing.scene import AUTO, environment_file
+
     folder = module.with_suffix("")
     copies = {file.name: file, **needed}
-    sky = given.get("environment")
-    if sky is not None and sky not in ("auto", "none"):
-        source = file.parent / sky if (file.parent / sky).is_file() else Path(sky)
-        given["environment"] = source.name
-        copies[source.name] = source
+    sky = environment_file(file, given.get("environment", AUTO))
+    if sky is not None:
+        given["environment"] = sky.name
+        if copies.setdefault(sky.name, sky).resolve() != sky.resolve():
+            raise UsageError(f"{sky}: another file of the scene has this name; rename one")
     # Texts of users stay literals, since the module is code.
     text = _MODULE.format(
         doc=f"{module.stem}, imported from {file.name}.",

@@ -166,18 +166,28 @@ def _complete(
     )
 
 
+def environment_file(file: Path, text: str) -> Path | None:
+    """Return the picture that a value of `environment` names: beside `file`, else from anywhere.
+
+    None if the value is auto or none.
+    """
+    if text in (AUTO, NONE):
+        return None
+    beside = file.parent / text
+    return beside if beside.is_file() else Path(text)
+
+
 def _environment(file: Path, text: str, stops: float) -> list[EnvironmentLight]:
+    picture = environment_file(file, text)
+    if picture is not None:
+        from oitbench.image.reading import read_image
+
+        return [EnvironmentLight(Texture(np.ascontiguousarray(read_image(picture)[..., :3])))]
     if text == NONE:
         return []
-    if text == AUTO:
-        sky = framing.sky()
-        # It is as bright beside the lights of a file as beside the sun.
-        return [EnvironmentLight(Texture(sky.texels.astype(np.float32) * np.float32(2**-stops)))]
-    from oitbench.image.reading import read_image
-
-    beside = file.parent / text
-    picture = read_image(beside if beside.is_file() else Path(text))
-    return [EnvironmentLight(Texture(np.ascontiguousarray(picture[..., :3])))]
+    sky = framing.sky()
+    # It is as bright beside the lights of a file as beside the sun.
+    return [EnvironmentLight(Texture(sky.texels.astype(np.float32) * np.float32(2**-stops)))]
 
 
 def _renamed(item: Object, others: list[Object]) -> Object:

@@ -201,3 +201,19 @@ def test_a_link_is_kept_under_its_own_name(call: Call, tmp_path: Path) -> None:
     assert kept.read_text() == TRIANGLE
     assert not kept.is_symlink()
     assert Collection(Places([tmp_path / "mine"])).build_scene("card").name == "card"
+
+
+def test_an_environment_replaces_no_texture(call: Call, tmp_path: Path) -> None:
+    folder, mine = tmp_path / "from", tmp_path / "mine"
+    folder.mkdir()
+    (folder / "t.png").write_bytes(png([[[255, 0, 0], [0, 0, 255]]]))
+    (tmp_path / "t.png").write_bytes(png([[[9, 9, 9], [8, 8, 8]]]))
+    write(folder, "m.mtl", "newmtl a\nmap_Kd t.png\n")
+    path = write(folder, "card.obj", f"mtllib m.mtl\nusemtl a\n{TRIANGLE}")
+    arguments = ("import", path, "-o", mine, "--environment")
+    call(*arguments, tmp_path / "t.png").assert_refused("another file of the scene has this name")
+    assert not mine.exists()
+    # The texture itself may be the environment, too.
+    answer = call(*arguments, "t.png")
+    assert answer.code == 0, answer
+    assert (mine / "scenes" / "card" / "t.png").read_bytes() == (folder / "t.png").read_bytes()
