@@ -8,7 +8,7 @@ import numpy.typing as npt
 from oitbench.errors import SceneError
 from oitbench.importing.limits import Budget
 from oitbench.importing.notes import Notes
-from oitbench.importing.shapes import Indices, checked, sound
+from oitbench.importing.shapes import Indices, check, sound
 from oitbench.scene import Floats
 
 MOST_CORNERS = 1000
@@ -21,7 +21,7 @@ def triangles(positions: Floats, polygons: Indices, budget: Budget, notes: Notes
     if polygons.shape[1] < 3:
         return np.zeros((0, 3), dtype=np.int64)
     budget.take("triangles", len(polygons) * (polygons.shape[1] - 2))
-    checked(polygons, len(positions))
+    check(polygons, len(positions))
     corners = split(positions, polygons, notes).reshape(-1, 3)
     rows = np.repeat(np.arange(len(polygons)), polygons.shape[1] - 2)
     found = polygons[rows[:, None], corners]

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 
 from oitbench.errors import SceneError
@@ -20,9 +18,9 @@ from oitbench.importing.notes import Notes
 from oitbench.scene import Floats, Mesh
 
 
-def read_gltf(file: Path, folder: Folder, budget: Budget, notes: Notes) -> Content:
+def read_gltf(folder: Folder, budget: Budget, notes: Notes) -> Content:
     """Return the content of a .glb or .gltf file."""
-    document = Document(file, folder, budget, notes)
+    document = Document(folder, budget, notes)
     return _Reader(document).content()
 
 

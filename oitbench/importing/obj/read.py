@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from pathlib import Path
 
 import numpy as np
 
@@ -29,7 +28,6 @@ class _Lines:
     coordinates: list[str] = field(default_factory=list)
     normals: list[str] = field(default_factory=list)
     runs: dict[tuple[str, str], list[Run]] = field(default_factory=dict)
-    absolute: dict[tuple[str, str, int], Run] = field(default_factory=dict)
     libraries: list[str] = field(default_factory=list)
 
     def new_run(self, title: str, material: str, smooth: int) -> Run:
@@ -40,7 +38,7 @@ class _Lines:
         return run
 
 
-def read_obj(file: Path, folder: Folder, budget: Budget, notes: Notes) -> Content:
+def read_obj(folder: Folder, budget: Budget, notes: Notes) -> Content:
     """Return the content of an .obj file."""
     content = folder.read_main()
     budget.take("bytes of text", len(content))
@@ -87,8 +85,7 @@ def _sorted(lines: list[str], notes: Notes) -> _Lines:
         key, rest = keyword_of(line)
         if key == "f":
             if run is None:
-                run = Run((len(found.vertices), len(found.coordinates), len(found.normals)), smooth)
-                found.runs.setdefault((title or group, material), []).append(run)
+                run = found.new_run(title or group, material, smooth)
             run.faces.append(rest)
             continue
         run = None

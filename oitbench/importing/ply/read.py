@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 
 from oitbench.errors import SceneError
@@ -26,7 +24,7 @@ _ROUGHNESS = 0.6
 _LISTS = ("vertex_indices", "vertex_index")
 
 
-def read_ply(file: Path, folder: Folder, budget: Budget, notes: Notes) -> Content:
+def read_ply(folder: Folder, budget: Budget, notes: Notes) -> Content:
     """Return the content of a .ply file."""
     content = folder.read_main()
     order, elements, head, start = read_header(content)
