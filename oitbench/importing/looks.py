@@ -49,7 +49,9 @@ class Divided:
     colored_metal: bool
 
 
-def divided(base: Array, metallic: Array, passing: Array, colors: Floats | None = None) -> Divided:
+def divided(
+    base: Array, metallic: Array, passing: Array, colors: Array | Floats | None = None
+) -> Divided:
     """Divide a base color b between scattering, transmission and reflection.
 
     A metal mirrors s, the mean of the least channel of b, and scatters the rest, max(b − s, 0),
@@ -98,11 +100,6 @@ def collimation_of(roughness: float, index: float) -> float:
 def roughness_of_exponent(exponent: float) -> float:
     """Return the roughness of a lobe cosⁿ about the half vector: α² = 2/(n + 2), r = √α."""
     return float(np.clip((2 / (max(exponent, 0.0) + 2)) ** 0.25, 0, 1))
-
-
-def reflectance_of(index: float) -> float:
-    """Return F₀ of a refractive index."""
-    return ((index - 1) / (index + 1)) ** 2
 
 
 def color(values: object) -> RGB:

@@ -16,19 +16,25 @@ _MOST_STEPS = 2_000_000
 """Tests of a corner against a triangle that cutting polygons may take in one file."""
 
 
-def triangles(positions: Floats, polygons: Indices, budget: Budget, notes: Notes) -> Indices:
-    """Return the triangles of polygons with equally many corners, as vertices, shape (k, 3)."""
-    if polygons.shape[1] < 3:
-        return np.zeros((0, 3), dtype=np.int64)
-    budget.take("triangles", len(polygons) * (polygons.shape[1] - 2))
+def cut(
+    positions: Floats, polygons: Indices, budget: Budget, notes: Notes
+) -> tuple[Indices, Indices]:
+    """Return where the triangles of polygons with equally many corners have theirs.
+
+    They are the rows, shape (k, 1), and the columns, shape (k, 3), of `polygons`, so that
+    `polygons[cut(…)]` are the triangles. Those without area are left out.
+    """
+    corners = polygons.shape[1]
+    if corners < 3:
+        return np.zeros((0, 1), dtype=np.int64), np.zeros((0, 3), dtype=np.int64)
+    budget.take("triangles", len(polygons) * (corners - 2))
     check(polygons, len(positions))
-    corners = split(positions, polygons, notes).reshape(-1, 3)
-    rows = np.repeat(np.arange(len(polygons)), polygons.shape[1] - 2)
-    found = polygons[rows[:, None], corners]
-    kept = sound(positions, found)
+    columns = split(positions, polygons, notes).reshape(-1, 3)
+    rows = np.repeat(np.arange(len(polygons)), corners - 2)[:, None]
+    kept = sound(positions, polygons[rows, columns])
     if not kept.all():
         notes.add("triangles without area are left out")
-    return np.asarray(found[kept])
+    return rows[kept], columns[kept]
 
 
 def split(positions: Floats, polygons: Indices, notes: Notes) -> Indices:

@@ -154,6 +154,19 @@ def test_materials_of_wavefront(tmp_path: Path) -> None:
     assert metal.roughness == pytest.approx(0.2)
 
 
+def test_a_metal_of_wavefront_has_the_colors_of_its_vertices(tmp_path: Path) -> None:
+    red = "v 0 0 0 1 0 0\nv 1 0 0 1 0 0\nv 0 1 0 1 0 0\n"
+    gray = "v 0 0 1 0.5 0.5 0.5\nv 1 0 1 0.5 0.5 0.5\nv 0 1 1 0.5 0.5 0.5\n"
+    write(tmp_path, "m.mtl", "newmtl m\nKd 1 1 1\nPm 1\n")
+    faces = "mtllib m.mtl\nusemtl m\no red\nf 1 2 3\no gray\nf 4 5 6\n"
+    imported = load(tmp_path, red + gray + faces)
+    first, second = imported.scene.objects
+    assert (first.material.reflectance, first.material.albedo) == (0, (1, 1, 1))
+    assert second.material.reflectance == pytest.approx(0.5)
+    assert second.material.albedo == BLACK
+    assert [note.partition(":")[0] for note in imported.notes] == ["metals"]
+
+
 def test_refracting_materials_of_wavefront(tmp_path: Path) -> None:
     faces = cube_faces().replace("f ", "usemtl m\nf ", 1)
     solid = surface(tmp_path, "Tf 1 1 1\nillum 7\nNi 1.5", faces).material

@@ -20,7 +20,6 @@ from oitbench.importing.looks import (
     collimation_of,
     color,
     divided,
-    reflectance_of,
     transmission_of,
 )
 from oitbench.importing.pictures import Bytes, fractions, linear
@@ -246,7 +245,7 @@ class _Reader:
         found = self._described.extension(known.SPECULAR, known.Specular)
         if found is None and not metallic.any() and not everything:
             return None
-        reflectance = 1.0 if everything else reflectance_of(index)
+        reflectance = 1.0 if everything else Material(index=index).reflectance
         if found is not None:
             strength = found.specular_factor
             tint = np.array(found.specular_color_factor)

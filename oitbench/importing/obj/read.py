@@ -58,10 +58,10 @@ def read_obj(folder: Folder, budget: Budget, notes: Notes) -> Content:
     found, names = Content(), Names()
     for (title, material), runs in lines.runs.items():
         name = names.free(title or material or "mesh")
-        look = library.look(material)
-        mesh = _mesh(data, runs, budget, notes, name)
+        mesh = _mesh(data, runs, budget, notes)
         if mesh is None:
             continue
+        look = library.look(material, mesh.albedo)
         if look.textured:
             uvs = np.zeros((len(mesh.positions), 2)) if mesh.uvs is None else mesh.uvs
             if mesh.uvs is None:
@@ -127,23 +127,16 @@ class _Data:
     normals: Floats
 
 
-def _mesh(data: _Data, runs: list[Run], budget: Budget, notes: Notes, name: str) -> Mesh | None:
+def _mesh(data: _Data, runs: list[Run], budget: Budget, notes: Notes) -> Mesh | None:
     """Return the faces of some runs as a mesh; None if they have no area."""
     counts = len(data.positions), len(data.coordinates), len(data.normals)
     parts: list[Indices] = []
     for run in runs:
         for corners in corners_of(run, counts):
-            if corners.shape[1] < 3:
-                continue
-            budget.take("triangles", len(corners) * (corners.shape[1] - 2))
-            local = polygons.split(data.positions, corners[..., 0], notes).reshape(-1, 3)
-            rows = np.repeat(np.arange(len(corners)), corners.shape[1] - 2)
-            triples = corners[rows[:, None], local]
-            kept = shapes.sound(data.positions, triples[..., 0])
-            if not kept.all():
-                notes.add("triangles without area are left out")
+            places = polygons.cut(data.positions, corners[..., 0], budget, notes)
+            triples = corners[places]
             smooth = np.full((*triples.shape[:2], 1), run.smooth)
-            parts.append(np.concatenate([triples, smooth], axis=2)[kept])
+            parts.append(np.concatenate([triples, smooth], axis=2))
     if not parts or not sum(map(len, parts)):
         return None
     triples = np.concatenate(parts)

@@ -74,7 +74,7 @@ def _object(
     for name, values in vertices.items():
         if not np.isfinite(values).all():
             raise SceneError(f"'{short(name)}' holds NaN or infinity; export the file again")
-    parts = [polygons.triangles(positions, rows, budget, notes) for rows in faces if len(rows)]
+    parts = [rows[polygons.cut(positions, rows, budget, notes)] for rows in faces if len(rows)]
     triangles = np.concatenate(parts) if parts else np.zeros((0, 3), dtype=np.int64)
     if not len(triangles):
         raise SceneError("it has no triangle that can be seen; points have no surface")
