@@ -12,8 +12,6 @@ from oitbench.importing.shapes import Indices, check, sound
 from oitbench.scene import Floats
 
 MOST_CORNERS = 1000
-_MOST_STEPS = 2_000_000
-"""Tests of a corner against a triangle that cutting polygons may take in one file."""
 
 
 def cut(
@@ -29,7 +27,7 @@ def cut(
         return np.zeros((0, 1), dtype=np.int64), np.zeros((0, 3), dtype=np.int64)
     budget.take("triangles", len(polygons) * (corners - 2))
     check(polygons, len(positions))
-    columns = split(positions, polygons, notes).reshape(-1, 3)
+    columns = split(positions, polygons, budget, notes).reshape(-1, 3)
     rows = np.repeat(np.arange(len(polygons)), corners - 2)[:, None]
     kept = sound(positions, polygons[rows, columns])
     if not kept.all():
@@ -37,7 +35,7 @@ def cut(
     return rows[kept], columns[kept]
 
 
-def split(positions: Floats, polygons: Indices, notes: Notes) -> Indices:
+def split(positions: Floats, polygons: Indices, budget: Budget, notes: Notes) -> Indices:
     """Return the corners of the triangles of each polygon, shape (m, corners − 2, 3)."""
     count = polygons.shape[1]
     if count > MOST_CORNERS:
@@ -50,9 +48,12 @@ def split(positions: Floats, polygons: Indices, notes: Notes) -> Indices:
     concave = np.flatnonzero(_concave(positions, polygons, fan))
     if not len(concave):
         return found
-    if len(concave) * count**2 > _MOST_STEPS:
-        notes.add("concave polygons are split as if they were convex")
+    # Each ear is searched among all corners.
+    steps = len(concave) * count**2
+    if steps > budget.left("steps of cutting"):
+        notes.add("many concave polygons are split as if they were convex; [limit=2] cuts more")
         return found
+    budget.take("steps of cutting", steps)
     found = found.copy()
     for row in concave:
         found[row] = _ears(positions[polygons[row]])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -9,7 +10,9 @@ import numpy as np
 import pytest
 
 from oitbench.errors import SceneError
-from oitbench.importing import Imported, read_scene, shapes
+from oitbench.importing import Imported, limits, read_scene, shapes
+from oitbench.importing.obj import read
+from oitbench.importing.obj.faces import Run, corners_of
 from oitbench.scene import BLACK, Floats, Object, Texture, Wrap
 from tests import meshes
 from tests.importing.files import CUBE_QUADS, SIMPLE, close, cube, png, write
@@ -53,6 +56,38 @@ def test_concave_polygons_keep_their_outline(tmp_path: Path) -> None:
     for face in ("1 2 3 4", "2 3 4 1", "3 4 1 2", "4 1 2 3", "4 3 2 1", "1 4 3 2"):
         for outline in (arrow, tilted, across):
             assert area(one(tmp_path, outline + f"f {face}\n")) == pytest.approx(4)
+
+
+def test_cutting_has_one_limit_for_a_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    arrow = "v 0 0 0\nv 4 0 0\nv 4 4 0\nv 3 1 0\n"
+    # The fan of this corner covers more than the outline.
+    text = "".join(f"{arrow}g {k}\nf -4 -3 -2 -1\n" for k in range(3))
+    monkeypatch.setitem(limits.LIMITS, "steps of cutting", 2 * 4**2)
+    imported = load(tmp_path, text)
+    areas = [area(item) for item in imported.scene.objects]
+    assert areas == pytest.approx([4, 4, 12])
+    assert imported.notes == (
+        "many concave polygons are split as if they were convex; [limit=2] cuts more",
+    )
+    assert not load(tmp_path, text, limit=2.0).notes
+
+
+def test_only_what_faces_depend_on_divides_them(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    runs: list[Run] = []
+
+    def spy(run: Run, counts: tuple[int, int, int]) -> Iterator[shapes.Indices]:
+        runs.append(run)
+        return corners_of(run, counts)
+
+    monkeypatch.setattr(read, "corners_of", spy)
+    item = one(tmp_path, SQUARE + "f 1 2 3\n# more\n\nmtllib x.mtl\nl 1 2\nlod 1\nf 1 3 4\n")
+    assert (area(item), [len(run.faces) for run in runs]) == (1, [2])
+    runs.clear()
+    # Negative indices count from the vertices before their face.
+    item = one(tmp_path, SQUARE + "f -4 -3 -2\nv 9 9 9\nf -5 -3 -2\n")
+    assert (area(item), [len(run.faces) for run in runs]) == (1, [1, 1])
 
 
 @pytest.mark.parametrize(

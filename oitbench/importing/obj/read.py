@@ -17,6 +17,8 @@ from oitbench.importing.obj.text import keyword_of, lines_of, table_of
 from oitbench.importing.shapes import Indices
 from oitbench.scene import Floats, Mesh, Object
 
+_STATE = ("v", "vt", "vn", "s", "usemtl", "o", "g")
+"""Keywords after which faces mean something else; others may stand between faces of one run."""
 _SILENT = ("", "#", "g", "vp", "cstype", "deg")
 
 
@@ -88,7 +90,8 @@ def _sorted(lines: list[str], notes: Notes) -> _Lines:
                 run = found.new_run(title or group, material, smooth)
             run.faces.append(rest)
             continue
-        run = None
+        if key in _STATE:
+            run = None
         if key == "v":
             found.vertices.append(rest)
         elif key == "vt":
