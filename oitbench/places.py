@@ -133,7 +133,8 @@ class Places:
         name = printable(path.stem)
         if not name.strip() or set(name) & set("[],=@"):
             raise UsageError(f"{path}: a scene cannot have the name '{name}'; rename the file")
-        self.scenes.add(name, path.resolve())
+        # The name that the user gave decides what the file is, not that of a link's target.
+        self.scenes.add(name, path.parent.resolve() / path.name)
         return name
 
     def find_scene(self, text: str) -> str:

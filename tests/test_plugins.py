@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from oitbench.errors import DeclarationError, UsageError
-from oitbench.places import own_folder
+from oitbench.errors import DeclarationError, SceneError, UsageError
+from oitbench.places import Places, own_folder
 from oitbench.plugins import Collection
 
 METHOD = """import oitbench as oit
@@ -70,6 +70,25 @@ def test_the_suite_has_its_own_plugins() -> None:
     assert {"a_buffer", "alpha_blend", "weighted_blended"} <= set(found.methods)
     assert {"layer_stack", "fragment_lists"} <= set(found.scenes)
     assert own_folder() in found.folders
+
+
+def test_the_name_of_a_link_decides_what_a_scene_is(tmp_path: Path) -> None:
+    payload = tmp_path / "payload.py"
+    payload.write_text(f"open({str(tmp_path / 'ran')!r}, 'w')\n{SCENE}")
+    (tmp_path / "scene.glb").symlink_to(payload)
+    with pytest.raises(SceneError, match="its JSON cannot be read"):
+        Collection(Places()).build_scene(str(tmp_path / "scene.glb"))
+    assert not (tmp_path / "ran").exists()
+    # Stores of files name them by their digests.
+    (tmp_path / "blobs").mkdir()
+    blob = tmp_path / "blobs" / "3fa9"
+    blob.write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+    (tmp_path / "model.obj").symlink_to(blob)
+    places = Places()
+    assert Collection(places).build_scene(str(tmp_path / "model.obj")).name == "model"
+    assert places.scene_files == (tmp_path.resolve() / "model.obj",)
+    # Another way to the same file is no second scene of that name.
+    assert places.find_scene(str(tmp_path / "blobs" / ".." / "model.obj")) == "model"
 
 
 def test_plugins_are_found_from_any_folder(foreign: Path) -> None:

@@ -93,6 +93,7 @@ class Catalog:
         self._worker = Process("oitbench.catalog.worker", Nothing(), Reply, limit)
         self._load_seconds = load_seconds
         self._entries: dict[tuple[Kind, str], Entry] = {}
+        self._inspected: dict[str, Inspected] = {}
         self.problems: list[str] = []
         # It needs longest, so it starts first.
         self._worker.start()
@@ -150,14 +151,17 @@ class Catalog:
             There is no such plugin.
         """
         path = self.path(kind, name)
-        if (kind, name) not in self._entries or check:
-            request = Describe(kind, name, os.fsencode(path), check)
-            try:
-                found = self._worker.ask(request, Entry, self._load_seconds, _LOADING, retry=True)
-            except OitbenchError as error:
-                found = Entry(name, error=f"{path}: {error}")
+        if (kind, name) in self._entries and not check:
+            return self._entries[kind, name]
+        request = Describe(kind, name, os.fsencode(path), check)
+        try:
+            found = self._worker.ask(request, Entry, self._load_seconds, _LOADING, retry=True)
+        except OitbenchError as error:
+            found = Entry(name, error=f"{path}: {error}")
+        if not (check and found.error):
+            # A plugin that fails a check may still be described.
             self._entries[kind, name] = found
-        return self._entries[kind, name]
+        return found
 
     def expand_methods(self, texts: Iterable[str]) -> list[Choice]:
         """Return all methods that the selectors `NAME[param=v,w]` or `FOLDER[param=v]` select."""
@@ -181,9 +185,9 @@ class Catalog:
             for choice in self._expand("scene", Selector(name, parsed.grid)):
                 chosen[choice.label] = choice
         noted: set[tuple[str, str]] = set()
-        return [self._inspected(choice, noted) for choice in chosen.values()]
+        return [self._checked(choice, noted) for choice in chosen.values()]
 
-    def _inspected(self, choice: Choice, noted: set[tuple[str, str]]) -> Choice:
+    def _checked(self, choice: Choice, noted: set[tuple[str, str]]) -> Choice:
         """Return a choice with the reason why it cannot be used; log what is not `noted` yet."""
         path = self.path("scene", choice.name)
         if choice.error or path.suffix.lower() not in IMPORTED:
@@ -215,17 +219,19 @@ class Catalog:
         return self.places.scene_files
 
     def inspect(self, scene: Choice) -> Inspected:
-        """Return what is known of the scene of a file that can be imported.
+        """Return what is known of the scene of a file that can be imported; read it once.
 
         Raises
         ------
         OitbenchError
             The file is damaged, or too large.
         """
-        path = os.fsencode(self.path("scene", scene.name))
-        return self._worker.ask(
-            Inspect(scene.label, path), Inspected, _FILE_SECONDS, _READING, retry=True
-        )
+        if scene.label not in self._inspected:
+            request = Inspect(scene.label, os.fsencode(self.path("scene", scene.name)))
+            self._inspected[scene.label] = self._worker.ask(
+                request, Inspected, _FILE_SECONDS, _READING, retry=True
+            )
+        return self._inspected[scene.label]
 
     def _expand(self, kind: Kind, parsed: Selector) -> Iterator[Choice]:
         entry = self.entry(kind, parsed.name)

@@ -12,10 +12,10 @@ import click
 
 from oitbench import parameters as selectors
 from oitbench.catalog.catalog import Catalog
-from oitbench.errors import SceneError, StorageError, UsageError
+from oitbench.errors import SceneError, StorageError, UsageError, printable
 from oitbench.places import IMPORTED
 
-_MODULE = '''"""{name}, imported from {file}."""
+_MODULE = '''{doc!r}
 
 from pathlib import Path
 from typing import Any
@@ -72,32 +72,55 @@ def command(file: Path, out: Path, name: str | None, **options: Any) -> None:
         needed = {key: Path(os.fsdecode(p)) for key, p in catalog.inspect(choice).files.items()}
     title = name or stem
     module = out / "scenes" / f"{title}.py"
-    if Path(title).name != title or title.startswith(("_", ".")) or set(title) & set("[],=@\\"):
+    if not _is_name(title):
         raise UsageError(f"a scene cannot have the name '{title}'; give another one by --name")
     if module.exists():
         raise UsageError(f"{module} exists; give another name by --name, or remove it")
-    _keep(file.resolve(), needed, module.with_suffix(""), given)
-    defaults = ", ".join(f"{key}={value!r}" for key, value in given.items())
-    module.write_text(
-        _MODULE.format(name=title, file=file.name, defaults=defaults), encoding="utf-8"
-    )
+    _keep(file, needed, module, given)
     click.echo(f"{module}: kept with {1 + len(needed)} files")
     again = ["oitbench", "run", "--collection", str(out), "--scene", title]
     click.echo(f"next: {shlex.join(again)}")
 
 
-def _keep(file: Path, needed: dict[str, Path], folder: Path, given: dict[str, Any]) -> None:
-    """Copy a file and what it needs; an environment is named by its copy from then on."""
+def _is_name(title: str) -> bool:
+    """Return whether a scene of a collection can have a name."""
+    plain = Path(title).name == title == printable(title)
+    return plain and not title.startswith(("_", ".")) and not set(title) & set("[],=@\\")
+
+
+def _keep(file: Path, needed: dict[str, Path], module: Path, given: dict[str, Any]) -> None:
+    """Copy a file and what it needs, and write the module of its scene.
+
+    An environment is named by its copy from then on.
+
+    Raises
+    ------
+    UsageError
+        The environment has the name of another file.
+    StorageError
+        The folder cannot be written.
+    """
+    from oitbench.importing.scene import AUTO, environment_file
+
+    folder = module.with_suffix("")
     copies = {file.name: file, **needed}
-    sky = given.get("environment")
-    if sky is not None and sky not in ("auto", "none"):
-        source = file.parent / sky if (file.parent / sky).is_file() else Path(sky)
-        given["environment"] = source.name
-        copies[source.name] = source
+    sky = environment_file(file, given.get("environment", AUTO))
+    if sky is not None:
+        given["environment"] = sky.name
+        if copies.setdefault(sky.name, sky).resolve() != sky.resolve():
+            raise UsageError(f"{sky}: another file of the scene has this name; rename one")
+    # Texts of users stay literals, since the module is code.
+    text = _MODULE.format(
+        doc=f"{module.stem}, imported from {file.name}.",
+        name=module.stem,
+        file=file.name,
+        defaults=", ".join(f"{key}={value!r}" for key, value in given.items()),
+    )
     try:
         for name, source in copies.items():
             target = folder / name
             target.parent.mkdir(parents=True, exist_ok=True)
             shutil.copyfile(source, target)
+        module.write_text(text, encoding="utf-8")
     except OSError as error:
-        raise StorageError(f"{folder} cannot be written: {error.strerror}") from error
+        raise StorageError(f"{module} cannot be kept: {error.strerror}") from error

@@ -153,15 +153,15 @@ def _entries(catalog: Catalog, kind: str) -> list[dict[str, Any]]:
             for found in [_parameter(parameter)]
         ]
     single = _SINGULAR[kind]
-    return [
-        _facts(single, catalog.entry(single, name)) | _views(catalog, single, name)
-        for name in catalog.names(single)
-    ]
+    return [_facts(single, _entry(catalog, single, name)) for name in catalog.names(single)]
 
 
-def _views(catalog: Catalog, kind: Kind, name: str) -> dict[str, Any]:
-    """Return the names of the views of a scene, which is built for that."""
-    return {"views": catalog.entry(kind, name, check=True).views} if kind == "scene" else {}
+def _entry(catalog: Catalog, kind: Kind, name: str) -> Entry:
+    """Return an entry; that of a scene has the names of its views if it can be built."""
+    if kind != "scene":
+        return catalog.entry(kind, name)
+    checked = catalog.entry(kind, name, check=True)
+    return catalog.entry(kind, name) if checked.error else checked
 
 
 def _facts(kind: Kind, entry: Entry) -> dict[str, Any]:
@@ -170,6 +170,8 @@ def _facts(kind: Kind, entry: Entry) -> dict[str, Any]:
     facts: dict[str, Any] = {"name": entry.name, "title": entry.title}
     if kind == "method":
         facts |= {"expresses": entry.expresses, "promises": entry.promises}
+    if kind == "scene":
+        facts["views"] = entry.views
     if kind != "report":
         facts["quick"] = entry.quick
     parameters = {key: _parameter(value) for key, value in entry.parameters.items()}

@@ -13,6 +13,7 @@ import click
 from oitbench.errors import UsageError
 from oitbench.method.ablation import EACH, REQUESTED
 from oitbench.shading import PARAMETERS
+from oitbench.views import MAIN
 from oitbench.views import parse as parse_views
 
 Command = TypeVar("Command", bound=Callable[..., Any])
@@ -105,15 +106,22 @@ shading = click.option(
     metavar="NAME=VALUE,...",
     help=f"Settings of the shading that all methods share. Repeatable. {_SETTINGS}.",
 )
-views = click.option(
-    "--view",
-    "views",
-    multiple=True,
-    metavar="NAME[,NAME]...",
-    callback=lambda ctx, parameter, value: parse_views(value),
-    help="Cameras of the scenes; `oitbench list scenes` prints their names. Repeatable."
-    "  [default: main]",
-)
+
+
+def views_or(default: str) -> Callable[[Command], Command]:
+    """Return the option `--view`; `default` tells what no view stands for."""
+    return click.option(
+        "--view",
+        "views",
+        multiple=True,
+        metavar="NAME[,NAME]...",
+        callback=lambda ctx, parameter, value: parse_views(value),
+        help="Cameras of the scenes; `oitbench list scenes` prints their names. Repeatable."
+        f"  [default: {default}]",
+    )
+
+
+views = views_or(MAIN)
 _EFFECTS = (
     f"{REQUESTED}: those that the scene requests; all; none; or names to leave out, as in"
     " -diffusion,-refraction. Effects that depend on them, such as colored shadows on translucent"

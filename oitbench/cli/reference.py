@@ -65,12 +65,13 @@ _SSAA = 2
     help="Samples for each sub-pixel, of each part. Pictures without random numbers always get one."
     "  [default: by the scene; 4 with --check]",
 )
-@options.views
+@options.views_or(f"as stored, else {MAIN}")
 @options.size(None, "Size of the image in pixels.  [default: as stored, else 256x256]")
 @click.option(
     "--ssaa",
     type=click.IntRange(1, 16),
-    help="Side of the sub-pixel grid; matched refraction takes at least 8."
+    help="Side of the sub-pixel grid; matched refraction takes at least 8, or 4 for each part of a"
+    " random one."
     "  [default: as stored, else 2]",
 )
 @click.option(

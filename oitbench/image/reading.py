@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import struct
 from pathlib import Path
 
 import numpy as np
@@ -51,7 +50,7 @@ def read_image(source: Path | str | bytes, most_pixels: int = MOST_PIXELS) -> Im
         if content.startswith(_OPENEXR) and not isinstance(source, bytes):
             return _read_exr_image(Path(source), most_pixels)
         return pictures.decode(content, name, most_pixels)
-    except (OSError, ValueError, SyntaxError, EOFError, struct.error) as error:
+    except pictures.UNREADABLE as error:
         raise UsageError(
             f"{name} is no readable PNG, JPEG, HDR or OpenEXR image ({error}); convert it"
         ) from error

@@ -17,6 +17,10 @@ _SCHEME = re.compile(r"[A-Za-z][A-Za-z0-9+.-]*:")
 _DATA = re.compile(r"data:[^,;]*(?:;[^,;]*)*;base64,", re.IGNORECASE)
 
 
+class MissingFileError(SceneError):
+    """There is no such file in the folder."""
+
+
 class Folder:
     """The folder of a file; everything that is read counts against a budget.
 
@@ -50,8 +54,10 @@ class Folder:
 
         Raises
         ------
+        MissingFileError
+            There is no such file.
         SceneError
-            The path leads elsewhere, or the file is missing, too large or no regular file.
+            The path leads elsewhere, or the file is too large or no regular file.
         """
         folder = self._file.parent
         text = name.replace("\\", "/")
@@ -90,6 +96,8 @@ class Folder:
                     raise SceneError(f"'{short(name)}' is no regular file; give one")
                 self._budget.take("bytes", facts.st_size)
                 return file.read(facts.st_size)
+        except FileNotFoundError as error:
+            raise MissingFileError(f"'{short(name)}' cannot be read: {error.strerror}") from error
         except (OSError, ValueError) as error:
             reason = error.strerror if isinstance(error, OSError) else error
             raise SceneError(f"'{short(name)}' cannot be read: {reason}") from error

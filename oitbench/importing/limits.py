@@ -16,6 +16,7 @@ LIMITS = {
     "numbers of arrays": 100_000_000,
     "vertices": 12_000_000,
     "triangles": 4_000_000,
+    "steps of cutting": 2_000_000,
     "texels of a picture": 17_000_000,
     "texels of pictures": 68_000_000,
     "texels of textures": 51_000_000,

@@ -6,10 +6,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from oitbench.scene import RGB, Array
+from oitbench.scene import RGB, Array, Floats
 
 _GRAY = 0.02
 """Difference between the channels of a metal that counts as gray."""
+METAL = (
+    "metals: the part of the base color that all channels share is mirrored, the rest is diffuse"
+)
+"""The note on a metal that scatters what it should mirror."""
+VERTICES = "metals mirror the mean of their colors at vertices"
+"""The note on a metal whose vertices have several colors."""
 PLASTIC = 0.04
 """Reflectance F₀ of a dielectric that states none: that of the refractive index 1.5."""
 
@@ -43,7 +49,9 @@ class Divided:
     colored_metal: bool
 
 
-def divided(base: Array, metallic: Array, passing: Array) -> Divided:
+def divided(
+    base: Array, metallic: Array, passing: Array, colors: Array | Floats | None = None
+) -> Divided:
     """Divide a base color b between scattering, transmission and reflection.
 
     A metal mirrors s, the mean of the least channel of b, and scatters the rest, max(b − s, 0),
@@ -53,6 +61,8 @@ def divided(base: Array, metallic: Array, passing: Array) -> Divided:
     ----------
     base, metallic, passing : array, shape (1 or 3,) or (h, w, 1 or 3)
         Textured ones have one size. `passing` is p.
+    colors : array, shape (n, 3), optional
+        Colors of the vertices, which are factors on b, and on the parts that are returned.
     """
     # Pictures may have many millions of texels, so nothing is computed that is zero.
     plain = base * (1 - metallic) if metallic.any() else base
@@ -64,9 +74,16 @@ def divided(base: Array, metallic: Array, passing: Array) -> Divided:
         passed = np.zeros(3, dtype=np.float32)
     if not metallic.any():
         return Divided(albedo, passed, 0.0, False)
-    least = base.min(axis=-1, keepdims=True)
-    mirrored = float((metallic * least).mean() / metallic.mean())
-    rest = np.maximum(base - np.float32(mirrored), 0) * metallic
+    if colors is None:
+        least = base.min(axis=-1, keepdims=True)
+        mirrored = float((metallic * least).mean() / metallic.mean())
+        taken = np.array([mirrored], dtype=np.float32)
+    else:
+        metal = (metallic * base).reshape(-1, 3).mean(axis=0) / metallic.mean()
+        mirrored = float((metal * colors).min(axis=1).mean())
+        # The color of a vertex multiplies what is left, so that it is right at their mean.
+        taken = np.asarray(mirrored / np.maximum(colors.mean(axis=0), 1e-6), dtype=np.float32)
+    rest = np.maximum(base - taken, 0) * metallic
     return Divided(albedo + rest, passed, mirrored, bool((rest > _GRAY).any()))
 
 
@@ -83,11 +100,6 @@ def collimation_of(roughness: float, index: float) -> float:
 def roughness_of_exponent(exponent: float) -> float:
     """Return the roughness of a lobe cosⁿ about the half vector: α² = 2/(n + 2), r = √α."""
     return float(np.clip((2 / (max(exponent, 0.0) + 2)) ** 0.25, 0, 1))
-
-
-def reflectance_of(index: float) -> float:
-    """Return F₀ of a refractive index."""
-    return ((index - 1) / (index + 1)) ** 2
 
 
 def color(values: object) -> RGB:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-
 from oitbench.importing.limits import short
 
 _MOST = 40
@@ -28,11 +26,6 @@ class Notes:
         places = self._places.setdefault(short(kind) if len(kind) > 400 else kind, {})
         if place:
             places[short(place)] = None
-
-    def extend(self, kinds: Iterable[str]) -> None:
-        """Note several kinds."""
-        for kind in kinds:
-            self.add(kind)
 
     @property
     def lines(self) -> tuple[str, ...]:

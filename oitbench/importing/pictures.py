@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-import io
-import struct
-import warnings
-
 import numpy as np
 import numpy.typing as npt
 
 from oitbench.errors import SceneError
-from oitbench.image.pictures import from_srgb
+from oitbench.image.pictures import UNREADABLE, from_srgb, unpacked
 from oitbench.importing.limits import Budget, short
 from oitbench.scene import Array
 
@@ -34,29 +30,22 @@ def read_picture(content: bytes | memoryview, name: str, budget: Budget) -> Byte
     SceneError
         It is no such picture, damaged, or too large.
     """
-    from PIL import Image
+
+    def check(height: int, width: int) -> None:
+        # While a material is computed, each of them needs tens of bytes.
+        budget.require("texels of a picture", width * height)
+        budget.take("texels of pictures", width * height)
 
     try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            with Image.open(io.BytesIO(content), formats=_FORMATS) as image:
-                width, height = image.size
-                # While a material is computed, each of them needs tens of bytes.
-                budget.require("texels of a picture", width * height)
-                budget.take("texels of pictures", width * height)
-                if image.mode.startswith("I"):
-                    # Sixteen bits of gray; Pillow would clip them.
-                    high = (np.asarray(image).astype(np.int64) >> 8).clip(0, 255).astype(np.uint8)
-                    return np.array(Image.fromarray(high).convert("RGBA"))
-                return np.array(image.convert("RGBA"))
-    except SceneError:
-        raise
-    except (
-        OSError, ValueError, SyntaxError, EOFError, TypeError, IndexError, KeyError, OverflowError,
-        struct.error, Image.DecompressionBombError, MemoryError,
-    ) as error:  # fmt: skip
+        levels = unpacked(content, _FORMATS, check)
+        if levels.dtype == np.uint16:
+            levels = np.repeat((levels >> 8).astype(np.uint8)[..., None], 3, axis=2)
+        found = np.full((*levels.shape[:2], 4), 255, dtype=np.uint8)
+        found[..., : levels.shape[2]] = levels
+    except UNREADABLE as error:
         message = short(error) or type(error).__name__
         raise SceneError(f"picture '{short(name)}' cannot be read: {message}") from error
+    return found
 
 
 def linear(encoded: Bytes) -> Array:

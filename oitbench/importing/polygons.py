@@ -8,30 +8,34 @@ import numpy.typing as npt
 from oitbench.errors import SceneError
 from oitbench.importing.limits import Budget
 from oitbench.importing.notes import Notes
-from oitbench.importing.shapes import Indices, checked, sound
+from oitbench.importing.shapes import Indices, check, sound
 from oitbench.scene import Floats
 
 MOST_CORNERS = 1000
-_MOST_STEPS = 2_000_000
-"""Tests of a corner against a triangle that cutting polygons may take in one file."""
 
 
-def triangles(positions: Floats, polygons: Indices, budget: Budget, notes: Notes) -> Indices:
-    """Return the triangles of polygons with equally many corners, as vertices, shape (k, 3)."""
-    if polygons.shape[1] < 3:
-        return np.zeros((0, 3), dtype=np.int64)
-    budget.take("triangles", len(polygons) * (polygons.shape[1] - 2))
-    checked(polygons, len(positions))
-    corners = split(positions, polygons, notes).reshape(-1, 3)
-    rows = np.repeat(np.arange(len(polygons)), polygons.shape[1] - 2)
-    found = polygons[rows[:, None], corners]
-    kept = sound(positions, found)
+def cut(
+    positions: Floats, polygons: Indices, budget: Budget, notes: Notes
+) -> tuple[Indices, Indices]:
+    """Return where the triangles of polygons with equally many corners have theirs.
+
+    They are the rows, shape (k, 1), and the columns, shape (k, 3), of `polygons`, so that
+    `polygons[cut(…)]` are the triangles. Those without area are left out.
+    """
+    corners = polygons.shape[1]
+    if corners < 3:
+        return np.zeros((0, 1), dtype=np.int64), np.zeros((0, 3), dtype=np.int64)
+    budget.take("triangles", len(polygons) * (corners - 2))
+    check(polygons, len(positions))
+    columns = split(positions, polygons, budget, notes).reshape(-1, 3)
+    rows = np.repeat(np.arange(len(polygons)), corners - 2)[:, None]
+    kept = sound(positions, polygons[rows, columns])
     if not kept.all():
         notes.add("triangles without area are left out")
-    return np.asarray(found[kept])
+    return rows[kept], columns[kept]
 
 
-def split(positions: Floats, polygons: Indices, notes: Notes) -> Indices:
+def split(positions: Floats, polygons: Indices, budget: Budget, notes: Notes) -> Indices:
     """Return the corners of the triangles of each polygon, shape (m, corners − 2, 3)."""
     count = polygons.shape[1]
     if count > MOST_CORNERS:
@@ -44,9 +48,12 @@ def split(positions: Floats, polygons: Indices, notes: Notes) -> Indices:
     concave = np.flatnonzero(_concave(positions, polygons, fan))
     if not len(concave):
         return found
-    if len(concave) * count**2 > _MOST_STEPS:
-        notes.add("concave polygons are split as if they were convex")
+    # Each ear is searched among all corners.
+    steps = len(concave) * count**2
+    if steps > budget.left("steps of cutting"):
+        notes.add("many concave polygons are split as if they were convex; [limit=2] cuts more")
         return found
+    budget.take("steps of cutting", steps)
     found = found.copy()
     for row in concave:
         found[row] = _ears(positions[polygons[row]])

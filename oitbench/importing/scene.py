@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from oitbench.errors import SceneError, UsageError
 from oitbench.importing import framing
-from oitbench.importing.content import Content
+from oitbench.importing.content import Content, Names
 from oitbench.importing.files import Folder
 from oitbench.importing.gltf.beams import FRAME
 from oitbench.importing.gltf.read import read_gltf
@@ -22,10 +22,10 @@ from oitbench.importing.obj.read import read_obj
 from oitbench.importing.ply.read import read_ply
 from oitbench.parameters import AnyParameter, Parameter, Value
 from oitbench.places import IMPORTED
-from oitbench.scene import DirectionalLight, EnvironmentLight, Light, Object, Scene, Texture, Vector
+from oitbench.scene import DirectionalLight, EnvironmentLight, Light, Scene, Texture, Vector
 
 AUTO, NONE = "auto", "none"
-_READERS: Mapping[str, Callable[[Path, Folder, Budget, Notes], Content]] = {
+_READERS: Mapping[str, Callable[[Folder, Budget, Notes], Content]] = {
     ".glb": read_gltf, ".gltf": read_gltf, ".obj": read_obj, ".ply": read_ply,
 }  # fmt: skip
 assert set(_READERS) == set(IMPORTED)
@@ -124,7 +124,7 @@ def read_scene(
     folder = Folder(path, budget)
     try:
         with np.errstate(over="ignore", invalid="ignore", under="ignore"):
-            content = reader(path, folder, budget, notes)
+            content = reader(folder, budget, notes)
         if up == "z":
             content = _turned(content)
         scene = _complete(
@@ -152,7 +152,8 @@ def _complete(
     objects = list(content.objects)
     below = None if ground == "no" else framing.ground(objects, low, high, ground == "yes")
     if below is not None:
-        objects.append(_renamed(below, objects))
+        names = Names(item.name for item in objects)
+        objects.append(replace(below, name=names.free(below.name)))
     views = {key: framing.aimed(camera, low, high) for key, camera in content.cameras.items()}
     camera = next(iter(views.values()), None)
     return Scene(
@@ -166,26 +167,28 @@ def _complete(
     )
 
 
+def environment_file(file: Path, text: str) -> Path | None:
+    """Return the picture that a value of `environment` names: beside `file`, else from anywhere.
+
+    None if the value is auto or none.
+    """
+    if text in (AUTO, NONE):
+        return None
+    beside = file.parent / text
+    return beside if beside.is_file() else Path(text)
+
+
 def _environment(file: Path, text: str, stops: float) -> list[EnvironmentLight]:
+    picture = environment_file(file, text)
+    if picture is not None:
+        from oitbench.image.reading import read_image
+
+        return [EnvironmentLight(Texture(np.ascontiguousarray(read_image(picture)[..., :3])))]
     if text == NONE:
         return []
-    if text == AUTO:
-        sky = framing.sky()
-        # It is as bright beside the lights of a file as beside the sun.
-        return [EnvironmentLight(Texture(sky.texels.astype(np.float32) * np.float32(2**-stops)))]
-    from oitbench.image.reading import read_image
-
-    beside = file.parent / text
-    picture = read_image(beside if beside.is_file() else Path(text))
-    return [EnvironmentLight(Texture(np.ascontiguousarray(picture[..., :3])))]
-
-
-def _renamed(item: Object, others: list[Object]) -> Object:
-    taken, number = {other.name for other in others}, 1
-    while item.name in taken:
-        number += 1
-        item = replace(item, name=f"ground {number}")
-    return item
+    sky = framing.sky()
+    # It is as bright beside the lights of a file as beside the sun.
+    return [EnvironmentLight(Texture(sky.texels.astype(np.float32) * np.float32(2**-stops)))]
 
 
 def _turned(content: Content) -> Content:

@@ -15,15 +15,14 @@ _FLAT = 1e-12
 """Twice the area of a triangle over the square of its longest edge, below which it is a line."""
 
 
-def checked(triangles: Indices, vertices: int) -> Indices:
-    """Return triangles; raise `SceneError` if one uses a vertex that does not exist."""
+def check(triangles: Indices, vertices: int) -> None:
+    """Raise `SceneError` if a triangle uses a vertex that does not exist."""
     if len(triangles):
         low, high = int(triangles.min()), int(triangles.max())
         if low < 0 or high >= vertices:
             raise SceneError(
                 f"a triangle uses vertex {low if low < 0 else high} of {vertices}; export it again"
             )
-    return triangles
 
 
 def strip(indices: Indices) -> Indices:

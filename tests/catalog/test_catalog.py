@@ -125,6 +125,28 @@ def test_faults_of_scenes_and_reports(catalog: Catalog) -> None:
     assert "ended with code 9" in catalog.entry("report", "exits_also", check=True).error
 
 
+def test_a_scene_that_cannot_be_built_is_still_described(tmp_path: Path) -> None:
+    (tmp_path / "scenes").mkdir()
+    leaving = SCENE.replace("    return Scene", "    __import__('os')._exit(5)\n    return Scene")
+    (tmp_path / "scenes" / "leaving.py").write_text(leaving)
+    with Catalog([tmp_path]) as catalog:
+        assert "ended with code 5" in catalog.entry("scene", "leaving", check=True).error
+        assert catalog.entry("scene", "leaving").title == "Nothing to see."
+        assert "ended with code 5" in catalog.entry("scene", "leaving", check=True).error
+        (choice,) = catalog.expand_scenes(["leaving[depth=1]"])
+        assert (choice.label, choice.error) == ("leaving[depth=1]", "")
+
+
+def test_a_file_is_inspected_once(tmp_path: Path) -> None:
+    file = tmp_path / "card.obj"
+    file.write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+    with Catalog() as catalog:
+        one, other = catalog.expand_scenes([str(file), f"{file}[up=z]"])
+        found = catalog.inspect(one)
+        assert catalog.inspect(one) is found
+        assert catalog.inspect(other) is not found
+
+
 def test_no_file_is_loaded_into_this_process(catalog: Catalog) -> None:
     catalog.entry("method", "zz_good")
     catalog.entry("scene", "void")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import json
 import re
 from pathlib import Path
@@ -11,6 +12,8 @@ import pygltflib
 import pytest
 
 from oitbench.image.files import read_exr, write_exr
+from oitbench.places import Places
+from oitbench.plugins import Collection
 from tests.cli.helpers import SMALL, Call
 from tests.importing.files import cube, png, write
 
@@ -21,6 +24,8 @@ GLASS = {
         "thicknessFactor": 1, "attenuationDistance": 0.5, "attenuationColor": [1, 0.5, 0.2],
     },
 }  # fmt: skip
+
+TRIANGLE = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"
 
 
 @pytest.fixture
@@ -153,3 +158,62 @@ def test_a_file_is_kept_as_a_scene_of_a_collection(
     call("import", path, "-o", mine, "--name", "_x").assert_refused("give another one by --name")
     call("import", path, "-o", mine, "--light", "moon").assert_refused("light cannot be moon")
     call("import", tmp_path / "x.fbx", "-o", mine).assert_refused("unknown format")
+
+
+@pytest.mark.parametrize(
+    ("file", "options"),
+    [
+        ('"""+str(open(chr(114)))+""".obj', ()),
+        ('"""+str(open(chr(114)))+""".obj', ("--name", "plain")),
+        ("a\\N.obj", ("--name", "plain")),
+        ("it's.obj", ()),
+    ],
+)
+def test_the_name_of_a_file_is_no_code(
+    call: Call, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, file: str, options: tuple[str, ...]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    write(tmp_path, file, TRIANGLE)
+    plain = ("--ground", "no", "--environment", "none")
+    answer = call("import", tmp_path / file, "-o", tmp_path / "mine", *plain, *options)
+    assert answer.code == 0, answer
+    (module,) = (tmp_path / "mine" / "scenes").glob("*.py")
+    tree = ast.parse(module.read_text())
+    assert ast.get_docstring(tree) == f"{module.stem}, imported from {file}."
+    found = Collection(Places([tmp_path / "mine"]))
+    assert found.build_scene(module.stem).name == module.stem
+
+
+def test_a_module_that_cannot_be_written_is_one_clear_line(call: Call, tmp_path: Path) -> None:
+    path = write(tmp_path, "card.obj", TRIANGLE)
+    (tmp_path / "mine" / "scenes").mkdir(parents=True)
+    (tmp_path / "mine" / "scenes" / "card.py").symlink_to(tmp_path / "gone" / "card.py")
+    call("import", path, "-o", tmp_path / "mine").assert_refused("card.py cannot be kept: No such")
+
+
+def test_a_link_is_kept_under_its_own_name(call: Call, tmp_path: Path) -> None:
+    (tmp_path / "blobs").mkdir()
+    write(tmp_path / "blobs", "3fa9", TRIANGLE)
+    (tmp_path / "card.obj").symlink_to(tmp_path / "blobs" / "3fa9")
+    answer = call("import", tmp_path / "card.obj", "-o", tmp_path / "mine")
+    assert answer.code == 0, answer
+    kept = tmp_path / "mine" / "scenes" / "card" / "card.obj"
+    assert kept.read_text() == TRIANGLE
+    assert not kept.is_symlink()
+    assert Collection(Places([tmp_path / "mine"])).build_scene("card").name == "card"
+
+
+def test_an_environment_replaces_no_texture(call: Call, tmp_path: Path) -> None:
+    folder, mine = tmp_path / "from", tmp_path / "mine"
+    folder.mkdir()
+    (folder / "t.png").write_bytes(png([[[255, 0, 0], [0, 0, 255]]]))
+    (tmp_path / "t.png").write_bytes(png([[[9, 9, 9], [8, 8, 8]]]))
+    write(folder, "m.mtl", "newmtl a\nmap_Kd t.png\n")
+    path = write(folder, "card.obj", f"mtllib m.mtl\nusemtl a\n{TRIANGLE}")
+    arguments = ("import", path, "-o", mine, "--environment")
+    call(*arguments, tmp_path / "t.png").assert_refused("another file of the scene has this name")
+    assert not mine.exists()
+    # The texture itself may be the environment, too.
+    answer = call(*arguments, "t.png")
+    assert answer.code == 0, answer
+    assert (mine / "scenes" / "card" / "t.png").read_bytes() == (folder / "t.png").read_bytes()

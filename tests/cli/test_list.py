@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from oitbench.catalog.catalog import Catalog
+from oitbench.catalog.messages import Entry, Kind
 from tests.cli.helpers import Call
 from tests.helpers import write_method
 
@@ -31,6 +32,36 @@ def test_a_broken_plugin_is_listed_as_such(call: Call, tmp_path: Path) -> None:
     assert answer.code == 0
     assert "cannot be loaded" in answer.out
     assert "a_buffer" in answer.out
+
+
+def test_a_scene_is_asked_for_once(
+    call: Call, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    good = (
+        '"""One view."""\nfrom oitbench.modeling.mesh import quad\n'
+        "from oitbench.scene import Camera, Material, Object, Scene\nparameters = {}\n"
+        "def build(*, name):\n    mesh = quad((0, 0, -2), (1, 0, 0), (0, 1, 0))\n"
+        "    camera = Camera((0, 0, 0), (0, 0, -1))\n"
+        "    return Scene(name, camera, (Object('wall', mesh, Material()),))\n"
+    )
+    (tmp_path / "scenes").mkdir()
+    (tmp_path / "scenes" / "good.py").write_text(good)
+    leaving = good.replace("    return", "    __import__('os')._exit(5)\n    return")
+    (tmp_path / "scenes" / "leaving.py").write_text(leaving)
+    asked: list[tuple[str, bool]] = []
+    ask = Catalog.entry
+
+    def entry(self: Catalog, kind: Kind, name: str, check: bool = False) -> Entry:
+        asked.append((name, check))
+        return ask(self, kind, name, check)
+
+    monkeypatch.setattr(Catalog, "entry", entry)
+    monkeypatch.setattr(Catalog, "names", lambda self, kind: ["good", "leaving"])
+    answer = call("list", "scenes", "--json", "--collection", tmp_path)
+    found = {item["name"]: item for item in json.loads(answer.out)}
+    assert (found["good"]["title"], found["good"]["views"][0]) == ("One view.", "main")
+    assert (found["leaving"]["title"], found["leaving"]["views"]) == ("One view.", [])
+    assert asked == [("good", True), ("leaving", True), ("leaving", False)]
 
 
 def test_a_method_that_ends_its_process_is_missing_in_the_measured_table(

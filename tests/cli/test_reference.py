@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from oitbench.path_traced.references import storage
+from oitbench.path_traced.references.wanted import PART_SSAA, REFRACTED_SSAA
 from tests.cli.helpers import Call
 from tests.path_traced.agreement import needs_mitsuba
 
@@ -123,3 +124,9 @@ def test_wrong_input_is_refused(
     call: Call, folder: Path, arguments: tuple[str, ...], message: str
 ) -> None:
     call("reference", "--collection", folder, *arguments).assert_refused(message)
+
+
+def test_help_states_the_defaults(call: Call) -> None:
+    text = " ".join(call("reference", "--help").out.split())
+    assert f"takes at least {REFRACTED_SSAA}, or {PART_SSAA} for each part of a random" in text
+    assert "Repeatable. [default: as stored, else main]" in text

@@ -13,6 +13,7 @@ from PIL import Image as Picture
 from oitbench.errors import UsageError
 from oitbench.image.files import to_srgb, write_exr
 from oitbench.image.reading import read_image
+from tests.importing.files import picture
 
 HEAD = b"#?RADIANCE\n# made here\nFORMAT=32-bit_rle_rgbe\n\n"
 
@@ -109,6 +110,8 @@ def test_a_black_row_of_a_radiance_picture_takes_few_bytes() -> None:
 
 
 WRONG = {
+    "exr": bytes([0x76, 0x2F, 0x31, 0x01]) + b" and no more",
+    "bomb": picture(30000, 30000, b""),
     "text": b"a text",
     "png": b"\x89PNG\r\n\x1a\n rest",
     "head": HEAD + b"+Y 2 +X 2\n" + bytes(16),

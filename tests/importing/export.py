@@ -10,7 +10,6 @@ import numpy as np
 
 from oitbench.image.files import write_exr
 from oitbench.importing import read_scene
-from oitbench.importing.looks import reflectance_of
 from oitbench.scene import (
     BLACK,
     PENUMBRA,
@@ -103,7 +102,7 @@ def _material(gltf: Gltf, material: Material) -> dict[str, Any]:
         np.testing.assert_allclose(base * part, passed, atol=1e-12)
         index = material.index if material.transmission != BLACK else 1.5
         extensions["KHR_materials_ior"] = {"ior": index}
-        factor = material.reflectance / max(reflectance_of(index), 1e-9)
+        factor = material.reflectance / max(Material(index=index).reflectance, 1e-9)
         extensions["KHR_materials_specular"] = {"specularColorFactor": [factor] * 3}
         if part:
             extensions["KHR_materials_transmission"] = {"transmissionFactor": part}

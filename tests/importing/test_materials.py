@@ -266,7 +266,8 @@ def test_maps_that_lie_otherwise_are_means(tmp_path: Path) -> None:
     gltf.triangle(described, TEXCOORD_0=gltf.array([[0, 0], [1, 0], [0, 1]]))
     imported = gltf.read(tmp_path)
     assert isinstance(imported.scene.objects[0].material.albedo, Texture)
-    assert not isinstance(imported.scene.objects[0].material.emission, Texture)
+    # Half of the texels emit, so the mean of light is half, whatever its code is.
+    close(imported.scene.objects[0].material.emission, [0.5] * 3)
     assert "replaced by means (material 0)" in imported.notes[0]
 
 
@@ -311,3 +312,63 @@ def test_metals_let_no_light_pass(tmp_path: Path) -> None:
         assert isinstance(found.transmission, tuple)
         # What is neither mirrored nor scattered passes: T (1 − albedo).
         assert found.transmission[0] * (1 - found.albedo[0]) == pytest.approx(passed, abs=1e-6)
+
+
+def colored(folder: Path, colors: Any, described: dict[str, Any] | None) -> tuple[Object, Any]:
+    """Return the triangle with colors of its vertices, and the notes of the import."""
+    gltf = Gltf()
+    uvs = gltf.array([[0, 0], [1, 0], [0, 1]])
+    gltf.triangle(described, COLOR_0=gltf.array(colors), TEXCOORD_0=uvs)
+    found = gltf.read(folder)
+    return found.scene.objects[0], found.notes
+
+
+def scattered(item: Object) -> Any:
+    """Return the albedo at the vertices of an object without textures."""
+    assert item.mesh.albedo is not None
+    assert isinstance(item.material.albedo, tuple)
+    return item.mesh.albedo * np.array(item.material.albedo)
+
+
+def test_a_metal_has_the_colors_of_its_vertices(tmp_path: Path) -> None:
+    # A material that states nothing is a metal.
+    for described in (None, {"name": "plain"}):
+        item, notes = colored(tmp_path, [[1, 0, 0]] * 3, described)
+        assert item.material.reflectance == 0
+        close(scattered(item), [[1, 0, 0]] * 3)
+        assert [note.partition(":")[0] for note in notes] == ["metals"]
+    item, notes = colored(tmp_path, [[0.8, 0.5, 0.4]] * 3, None)
+    assert item.material.reflectance == pytest.approx(0.4)
+    close(scattered(item), [[0.4, 0.1, 0]] * 3)
+    item, notes = colored(tmp_path, [[0.5, 0.5, 0.5]] * 3, None)
+    assert item.material.reflectance == pytest.approx(0.5)
+    assert (item.material.albedo, notes) == (BLACK, ())
+
+
+def test_a_metal_mirrors_the_mean_of_its_vertices(tmp_path: Path) -> None:
+    # What no channel shares is scattered by each vertex in its own color.
+    item, notes = colored(tmp_path, np.eye(3), None)
+    assert item.material.reflectance == 0
+    close(scattered(item), np.eye(3))
+    assert "metals mirror the mean of their colors at vertices (the default)" in notes
+    half = {"pbrMetallicRoughness": {"metallicFactor": 0.5}}
+    item, notes = colored(tmp_path, [[1, 1, 1], [0.5, 0.5, 0.5], [0, 0, 0]], half)
+    assert item.material.reflectance == pytest.approx(0.5 * 0.04 + 0.5 * 0.5)
+    assert item.material.albedo == pytest.approx((0.5, 0.5, 0.5))
+
+
+def test_meshes_of_one_metal_have_their_own_colors(tmp_path: Path) -> None:
+    gltf = Gltf()
+    image = gltf.picture([[[255, 255, 255], [255, 255, 255]], [[255, 255, 255], [0, 0, 0]]])
+    metal = {"pbrMetallicRoughness": {"baseColorTexture": {"index": image}}}
+    uvs = gltf.array([[0, 0], [1, 0], [0, 1]])
+    for level in (1.0, 0.5, 0.25):
+        gltf.triangle(metal, TEXCOORD_0=uvs, COLOR_0=gltf.array([[level, level, level]] * 3))
+    for mesh in gltf.document["meshes"]:
+        mesh["primitives"][0]["material"] = 0
+    items = gltf.read(tmp_path).scene.objects
+    found = [item.material.reflectance for item in items]
+    assert found == pytest.approx([0.75, 0.375, 0.1875])
+    for item in items:
+        assert isinstance(item.material.albedo, Texture)
+        close(item.material.albedo.texels[0, 0], [0.25] * 3)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -9,7 +10,9 @@ import numpy as np
 import pytest
 
 from oitbench.errors import SceneError
-from oitbench.importing import Imported, read_scene, shapes
+from oitbench.importing import Imported, limits, read_scene, shapes
+from oitbench.importing.obj import read
+from oitbench.importing.obj.faces import Run, corners_of
 from oitbench.scene import BLACK, Floats, Object, Texture, Wrap
 from tests import meshes
 from tests.importing.files import CUBE_QUADS, SIMPLE, close, cube, png, write
@@ -53,6 +56,38 @@ def test_concave_polygons_keep_their_outline(tmp_path: Path) -> None:
     for face in ("1 2 3 4", "2 3 4 1", "3 4 1 2", "4 1 2 3", "4 3 2 1", "1 4 3 2"):
         for outline in (arrow, tilted, across):
             assert area(one(tmp_path, outline + f"f {face}\n")) == pytest.approx(4)
+
+
+def test_cutting_has_one_limit_for_a_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    arrow = "v 0 0 0\nv 4 0 0\nv 4 4 0\nv 3 1 0\n"
+    # The fan of this corner covers more than the outline.
+    text = "".join(f"{arrow}g {k}\nf -4 -3 -2 -1\n" for k in range(3))
+    monkeypatch.setitem(limits.LIMITS, "steps of cutting", 2 * 4**2)
+    imported = load(tmp_path, text)
+    areas = [area(item) for item in imported.scene.objects]
+    assert areas == pytest.approx([4, 4, 12])
+    assert imported.notes == (
+        "many concave polygons are split as if they were convex; [limit=2] cuts more",
+    )
+    assert not load(tmp_path, text, limit=2.0).notes
+
+
+def test_only_what_faces_depend_on_divides_them(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    runs: list[Run] = []
+
+    def spy(run: Run, counts: tuple[int, int, int]) -> Iterator[shapes.Indices]:
+        runs.append(run)
+        return corners_of(run, counts)
+
+    monkeypatch.setattr(read, "corners_of", spy)
+    item = one(tmp_path, SQUARE + "f 1 2 3\n# more\n\nmtllib x.mtl\nl 1 2\nlod 1\nf 1 3 4\n")
+    assert (area(item), [len(run.faces) for run in runs]) == (1, [2])
+    runs.clear()
+    # Negative indices count from the vertices before their face.
+    item = one(tmp_path, SQUARE + "f -4 -3 -2\nv 9 9 9\nf -5 -3 -2\n")
+    assert (area(item), [len(run.faces) for run in runs]) == (1, [1, 1])
 
 
 @pytest.mark.parametrize(
@@ -123,6 +158,20 @@ def surface(folder: Path, described: str, text: str = SQUARE + "usemtl m\nf 1 2 
     return one(folder, "mtllib m.mtl\n" + text)
 
 
+@pytest.mark.parametrize("blank", ["\t", " \t ", "  "])
+def test_any_blanks_follow_a_keyword(blank: str, tmp_path: Path) -> None:
+    def spaced(text: str) -> str:
+        lines = (line.partition(" ") for line in text.splitlines())
+        return "".join(f"{blank}{key}{blank}{rest}{blank}\n" for key, _, rest in lines)
+
+    write(tmp_path, "m.mtl", spaced("newmtl the red\nKd 1 0 0\nd 0.5\n"))
+    text = spaced("mtllib m.mtl\no a square\n" + SQUARE + "usemtl the red\ns off\nf 1 2 3 4\n")
+    imported = load(tmp_path, text)
+    (item,) = imported.scene.objects
+    assert (item.name, area(item), imported.notes) == ("a square", 1, ())
+    assert (item.material.albedo, item.material.coverage) == ((1, 0, 0), 0.5)
+
+
 def test_materials_of_wavefront(tmp_path: Path) -> None:
     thin = surface(tmp_path, "Kd 0.8 0.8 0.8\nd 0.25\nTf 1 1 1\nillum 2").material
     assert (thin.coverage, thin.transmission) == (0.25, BLACK)
@@ -138,6 +187,19 @@ def test_materials_of_wavefront(tmp_path: Path) -> None:
     assert metal.reflectance == pytest.approx(0.3)
     assert metal.albedo == pytest.approx((0.6, 0.3, 0))
     assert metal.roughness == pytest.approx(0.2)
+
+
+def test_a_metal_of_wavefront_has_the_colors_of_its_vertices(tmp_path: Path) -> None:
+    red = "v 0 0 0 1 0 0\nv 1 0 0 1 0 0\nv 0 1 0 1 0 0\n"
+    gray = "v 0 0 1 0.5 0.5 0.5\nv 1 0 1 0.5 0.5 0.5\nv 0 1 1 0.5 0.5 0.5\n"
+    write(tmp_path, "m.mtl", "newmtl m\nKd 1 1 1\nPm 1\n")
+    faces = "mtllib m.mtl\nusemtl m\no red\nf 1 2 3\no gray\nf 4 5 6\n"
+    imported = load(tmp_path, red + gray + faces)
+    first, second = imported.scene.objects
+    assert (first.material.reflectance, first.material.albedo) == (0, (1, 1, 1))
+    assert second.material.reflectance == pytest.approx(0.5)
+    assert second.material.albedo == BLACK
+    assert [note.partition(":")[0] for note in imported.notes] == ["metals"]
 
 
 def test_refracting_materials_of_wavefront(tmp_path: Path) -> None:

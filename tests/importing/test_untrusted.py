@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import os
-import struct
-import zlib
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from oitbench.errors import SceneError, UsageError
@@ -14,7 +13,7 @@ from oitbench.importing import limits, read_scene
 from oitbench.importing.files import Folder
 from oitbench.importing.limits import Budget
 from oitbench.importing.pictures import read_picture
-from tests.importing.files import SIMPLE, Gltf, png
+from tests.importing.files import SIMPLE, Gltf, picture, png
 
 
 @pytest.fixture
@@ -104,20 +103,6 @@ def test_instances_count_as_triangles(tmp_path: Path, monkeypatch: pytest.Monkey
         gltf.read(tmp_path)
 
 
-def picture(width: int, height: int, data: bytes) -> bytes:
-    """Return a gray PNG of any stated size."""
-
-    def chunk(kind: bytes, content: bytes) -> bytes:
-        sum_ = struct.pack(">I", zlib.crc32(kind + content))
-        return struct.pack(">I", len(content)) + kind + content + sum_
-
-    header = struct.pack(">IIBBBBB", width, height, 8, 0, 0, 0, 0)
-    return (
-        b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + chunk(b"IDAT", zlib.compress(data))
-        + chunk(b"IEND", b"")
-    )  # fmt: skip
-
-
 def test_pictures_of_any_size_are_not_decoded(tmp_path: Path) -> None:
     assert read_picture(picture(1, 1, b"\0\x80"), "x", Budget()).tolist() == [
         [[128, 128, 128, 255]]
@@ -182,3 +167,17 @@ def test_names_of_a_file_cannot_break_a_line(tmp_path: Path) -> None:
 def test_unknown_formats_are_refused(tmp_path: Path) -> None:
     with pytest.raises(UsageError, match="give one of"):
         read_scene(tmp_path / "model.fbx")
+
+
+def test_pictures_are_whole(tmp_path: Path) -> None:
+    """Gray of 16 bits keeps its high byte, and only some pictures have an alpha."""
+    from PIL import Image
+
+    deep = tmp_path / "deep.png"
+    Image.fromarray(np.array([[0, 256, 65535]], dtype=np.uint16)).save(deep)
+    for content, expected in (
+        (deep.read_bytes(), [[0, 0, 0, 255], [1, 1, 1, 255], [255, 255, 255, 255]]),
+        (png([[[1, 2, 3]]]), [[1, 2, 3, 255]]),
+        (png([[[1, 2, 3, 4]]]), [[1, 2, 3, 4]]),
+    ):
+        assert read_picture(content, "x", Budget()).tolist() == [expected]

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import struct
 from contextlib import suppress
-from pathlib import Path
 from typing import TypeVar
 
 import msgspec
@@ -35,7 +34,6 @@ class Document:
 
     Parameters
     ----------
-    file : Path
     folder : Folder
     budget : Budget
     notes : Notes
@@ -51,7 +49,7 @@ class Document:
         The file is damaged, or needs an extension that is not known.
     """
 
-    def __init__(self, file: Path, folder: Folder, budget: Budget, notes: Notes) -> None:
+    def __init__(self, folder: Folder, budget: Budget, notes: Notes) -> None:
         self.folder, self.budget, self.notes = folder, budget, notes
         text, self._chunk = _split(folder.read_main())
         budget.take("entries of JSON", sum(text.count(sign) for sign in (b",", b"{", b"[")))

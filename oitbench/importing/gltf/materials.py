@@ -2,32 +2,35 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from oitbench.importing.gltf import extensions as known
 from oitbench.importing.gltf.document import Document
+from oitbench.importing.gltf.primitives import Geometry
 from oitbench.importing.gltf.schema import Material as Described
 from oitbench.importing.gltf.schema import TextureInfo
-from oitbench.importing.gltf.textures import Layer, Placement, Textures
+from oitbench.importing.gltf.textures import Placement, Textures
 from oitbench.importing.limits import short
 from oitbench.importing.looks import (
+    METAL,
+    VERTICES,
     collimation_of,
     color,
     divided,
-    reflectance_of,
     transmission_of,
 )
-from oitbench.importing.pictures import fractions, linear
+from oitbench.importing.pictures import Bytes, fractions, linear
 from oitbench.importing.shapes import encloses
 from oitbench.importing.values import Canvas, Values, same_size
 from oitbench.modeling.glass import transmission as through_solid
-from oitbench.scene import BLACK, RGB, Material, Mesh, Object, Texture
+from oitbench.scene import BLACK, RGB, Floats, Material, Mesh, Object, Texture
 
-_METAL = (
-    "metals: the part of the base color that all channels share is mirrored, the rest is diffuse"
-)
+_COLOR, _RED, _GREEN, _BLUE, _ALPHA = (
+    slice(0, 3), slice(0, 1), slice(1, 2), slice(2, 3), slice(3, 4),
+)  # fmt: skip
 _EVEN = "solids have the mean of their textures and of their colors at vertices"
 _OPEN = (
     "a volume is a thin sheet if it has a cutoff, or if no closed mesh with normals outwards"
@@ -78,17 +81,26 @@ class Materials:
 
     def __init__(self, document: Document) -> None:
         self._document, self._textures = document, Textures(document)
-        self._looks: dict[int | None, Look] = {}
+        self._looks: dict[tuple[int | None, Geometry | None], Look] = {}
 
-    def look(self, index: int | None) -> Look:
-        """Return the look of a material; None for the default one."""
-        if index not in self._looks:
-            described = Described()
-            if index is not None:
-                described = self._document.part("material", self._document.gltf.materials, index)
+    def look(self, index: int | None, geometry: Geometry | None) -> Look:
+        """Return the look of a material, None for the default one, on a geometry.
+
+        Only metals depend on the geometry: on the colors of its vertices.
+        """
+        described = Described()
+        if index is not None:
+            described = self._document.part("material", self._document.gltf.materials, index)
+        colors = None if geometry is None else geometry.colors
+        metallic = described.pbr_metallic_roughness.metallic_factor > 0
+        if not metallic or known.UNLIT in described.extensions:
+            colors = None
+        key = index, None if colors is None else geometry
+        if key not in self._looks:
             name = described.name or ("the default" if index is None else f"material {index}")
-            self._looks[index] = _Reader(self._document, self._textures, described, name).look()
-        return self._looks[index]
+            reader = _Reader(self._document, self._textures, described, name)
+            self._looks[key] = reader.look(None if colors is None else colors[:, :3])
+        return self._looks[key]
 
     def fitted(self, look: Look, mesh: Mesh, name: str, scale: float) -> Object | None:
         """Return the object of a look and a mesh; None if nothing of it can be seen.
@@ -147,16 +159,12 @@ class _Reader:
         if described.occlusion_texture is not None:
             self._notes.add("baked occlusion is ignored; oitbench has effects for it", name)
 
-    def look(self) -> Look:
-        """Return the look of the material."""
+    def look(self, colors: Floats | None) -> Look:
+        """Return the look of the material; `colors` are those of vertices, shape (n, 3)."""
         described, pbr = self._described, self._described.pbr_metallic_roughness
-        layer = self._layer(pbr.base_color_texture)
         factor = np.array(pbr.base_color_factor, dtype=np.float32)
-        base: Values = factor[:3]
-        alpha: Values = factor[3:]
-        if layer is not None:
-            base = base * linear(layer.pixels[..., :3])
-            alpha = alpha * fractions(layer.pixels[..., 3:])
+        base = factor[:3] * self._texels(pbr.base_color_texture, _COLOR, linear)
+        alpha = factor[3:] * self._texels(pbr.base_color_texture, _ALPHA, fractions)
         material = Material(
             coverage=1.0 if self._mode == "OPAQUE" else self._canvas().scalar(alpha),
             cutoff=min(described.alpha_cutoff, 1.0) if self._mode == "MASK" else None,
@@ -167,24 +175,23 @@ class _Reader:
                 material, emission=self._canvas().color(base), specular=0.0, roughness=1.0
             )
             return self._finished(material, None, unlit=True)
-        return self._lit(material, base)
+        return self._lit(material, base, colors)
 
-    def _lit(self, material: Material, base: Values) -> Look:
+    def _lit(self, material: Material, base: Values, colors: Floats | None) -> Look:
         described, pbr = self._described, self._described.pbr_metallic_roughness
-        metallic = np.array([pbr.metallic_factor], dtype=np.float32)
-        roughness = np.array([pbr.roughness_factor], dtype=np.float32)
-        layer = self._layer(pbr.metallic_roughness_texture)
-        if layer is not None:
-            metallic = metallic * fractions(layer.pixels[..., 2:3])
-            roughness = roughness * fractions(layer.pixels[..., 1:2])
+        map_ = pbr.metallic_roughness_texture
+        metallic = np.float32(pbr.metallic_factor) * self._texels(map_, _BLUE, fractions)
+        roughness = np.float32(pbr.roughness_factor) * self._texels(map_, _GREEN, fractions)
         passing = self._passing()
         base, metallic, passing = same_size(base, metallic, passing)
-        found = divided(base, metallic, passing)
+        found = divided(base, metallic, passing, colors)
         passes = bool((passing * (1 - metallic)).any())
         index = self._index()
         specular = self._specular(index, metallic, found.mirrored)
+        if colors is not None and metallic.any() and (colors != colors[0]).any():
+            self._notes.add(VERTICES, self._name)
         if found.colored_metal:
-            self._notes.add(_METAL, self._name)
+            self._notes.add(METAL, self._name)
         mean = float(roughness.mean())
         material = replace(
             material,
@@ -238,14 +245,12 @@ class _Reader:
         found = self._described.extension(known.SPECULAR, known.Specular)
         if found is None and not metallic.any() and not everything:
             return None
-        reflectance = 1.0 if everything else reflectance_of(index)
+        reflectance = 1.0 if everything else Material(index=index).reflectance
         if found is not None:
             strength = found.specular_factor
             tint = np.array(found.specular_color_factor)
-            alpha, colors = (
-                self._used(found.specular_texture),
-                self._used(found.specular_color_texture),
-            )
+            alpha = self._textures.layer(found.specular_texture)
+            colors = self._textures.layer(found.specular_color_texture)
             if alpha is not None:
                 strength *= float(fractions(alpha.pixels[..., 3]).mean())
             if colors is not None:
@@ -265,9 +270,8 @@ class _Reader:
         found = self._described.extension(known.TRANSMISSION, known.Transmission)
         if found is None:
             return np.zeros(1, dtype=np.float32)
-        factor = np.array([found.transmission_factor], dtype=np.float32)
-        layer = self._layer(found.transmission_texture)
-        return factor if layer is None else factor * fractions(layer.pixels[..., :1])
+        texels = self._texels(found.transmission_texture, _RED, fractions)
+        return np.asarray(np.float32(found.transmission_factor) * texels)
 
     def _emission(self) -> tuple[float, float, float] | Texture:
         described = self._described
@@ -275,26 +279,27 @@ class _Reader:
         factor = np.array(described.emissive_factor, dtype=np.float32)
         if strength is not None:
             factor = factor * np.float32(strength.emissive_strength)
-        layer = self._layer(described.emissive_texture) if factor.any() else None
-        return self._canvas().color(
-            factor if layer is None else factor * linear(layer.pixels[..., :3])
-        )
+        if factor.any():
+            factor = factor * self._texels(described.emissive_texture, _COLOR, linear)
+        return self._canvas().color(factor)
 
-    def _used(self, info: TextureInfo | None) -> Layer | None:
-        return self._textures.layer(info)
+    def _texels(
+        self, info: TextureInfo | None, channels: slice, decode: Callable[[Bytes], Values]
+    ) -> Values:
+        """Return linear values of a texture that lies as the others of the material.
 
-    def _layer(self, info: TextureInfo | None) -> Layer | None:
-        """Return a texture that lies as the others of the material; else its mean."""
-        layer = self._used(info)
+        They are ones if there is no texture, and means if it lies otherwise.
+        """
+        layer = self._textures.layer(info)
         if layer is None:
-            return None
+            return np.ones(1, dtype=np.float32)
         if self._placement is None:
             self._placement = layer.placement
+        values = decode(layer.pixels[..., channels])
         if layer.placement == self._placement:
-            return layer
+            return values
         self._notes.add(_MEANS, self._name)
-        mean = layer.pixels.mean(axis=(0, 1), keepdims=True).round().astype(np.uint8)
-        return replace(layer, pixels=mean)
+        return np.asarray(values.mean(axis=(0, 1), dtype=np.float64), dtype=np.float32)
 
     def _canvas(self) -> Canvas:
         return Canvas(self._budget, None if self._placement is None else self._placement.wrap)

@@ -104,7 +104,7 @@ def _triangles(document: Document, primitive: Primitive, vertices: int) -> Indic
         indices = np.arange(vertices, dtype=np.int64)
     else:
         indices = read_indices(document, primitive.indices)
-    shapes.checked(indices, vertices)
+    shapes.check(indices, vertices)
     if primitive.mode == _STRIP:
         return shapes.strip(indices)
     if primitive.mode == _FAN:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 
 from oitbench.errors import SceneError
@@ -20,9 +18,9 @@ from oitbench.importing.notes import Notes
 from oitbench.scene import Floats, Mesh
 
 
-def read_gltf(file: Path, folder: Folder, budget: Budget, notes: Notes) -> Content:
+def read_gltf(folder: Folder, budget: Budget, notes: Notes) -> Content:
     """Return the content of a .glb or .gltf file."""
-    document = Document(file, folder, budget, notes)
+    document = Document(folder, budget, notes)
     return _Reader(document).content()
 
 
@@ -57,7 +55,7 @@ class _Reader:
                     owner = mesh.name or f"mesh {number}"
                     raise SceneError(f"{short(owner)}: {error}") from error
             geometry = self._geometries[key]
-            look = self._materials.look(primitive.material)
+            look = self._materials.look(primitive.material, geometry)
             if geometry is None:
                 continue
             title = self._names.free(name)

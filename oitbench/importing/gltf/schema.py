@@ -158,7 +158,6 @@ class Node(Extended, frozen=True, kw_only=True):
     scale: Triple = (1.0, 1.0, 1.0)
     mesh: Index | None = None
     camera: Index | None = None
-    skin: Index | None = None
 
 
 class Scene(Extended, frozen=True, kw_only=True):

@@ -7,15 +7,15 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from oitbench.errors import SceneError
-from oitbench.importing.files import Folder
+from oitbench.importing.files import Folder, MissingFileError
 from oitbench.importing.limits import Budget, short
-from oitbench.importing.looks import PLASTIC, color, roughness_of_exponent
+from oitbench.importing.looks import METAL, PLASTIC, VERTICES, color, divided, roughness_of_exponent
 from oitbench.importing.notes import Notes
-from oitbench.importing.obj.text import lines_of, numbers_of
+from oitbench.importing.obj.text import keyword_of, lines_of, numbers_of
 from oitbench.importing.pictures import Bytes, fractions, linear, read_picture
 from oitbench.importing.shapes import encloses
 from oitbench.importing.values import Canvas, Values, same_size
-from oitbench.scene import Material, Mesh, Wrap
+from oitbench.scene import Array, Material, Mesh, Wrap
 from oitbench.scene.vectors import BLACK
 
 _NUMBERS = {"Ka": 3, "Kd": 3, "Ks": 3, "Ke": 3, "Ns": 1, "Ni": 1, "d": 1, "Tr": 1, "illum": 1,
@@ -72,31 +72,34 @@ class Library:
         """Read a file of materials; a missing one is noted."""
         try:
             content = self._folder.read(name)
-        except SceneError as error:
-            if "No such file" not in str(error):
-                raise
+        except MissingFileError:
             self._notes.add("a file of materials is missing; its surfaces are gray", name)
             return
         self._budget.take("bytes of text", len(content))
         current: _Described | None = None
         for line in lines_of(content):
-            key, _, rest = line.strip().partition(" ")
-            rest = rest.strip()
+            key, rest = keyword_of(line)
             if key == "newmtl":
                 self._budget.take("nodes", 1)
                 current = self._described.setdefault(rest, _Described(rest))
             elif key and not key.startswith("#") and current is not None:
                 self._read(current, key, rest)
 
-    def look(self, name: str) -> Look:
-        """Return the look of a material; a gray one if it is unknown."""
+    def look(self, name: str, colors: Array | None) -> Look:
+        """Return the look of a material; a gray one if it is unknown.
+
+        Only metals depend on `colors`, those of the vertices, shape (n, 3).
+        """
+        described = self._described.get(name)
+        if described is not None and colors is not None and "Pm" in described.values:
+            return self._made(described, colors)
         if name not in self._looks:
-            if name not in self._described:
+            if described is None:
                 if name:
                     self._notes.add("materials that no file describes are gray", name)
                 self._looks[name] = Look(DEFAULT)
             else:
-                self._looks[name] = self._made(self._described[name])
+                self._looks[name] = self._made(described, None)
         return self._looks[name]
 
     def _read(self, current: _Described, key: str, rest: str) -> None:
@@ -118,7 +121,7 @@ class Library:
         elif key not in _SILENT:
             self._notes.add(f"'{short(key)}' of materials is ignored", current.name)
 
-    def _made(self, described: _Described) -> Look:
+    def _made(self, described: _Described, colors: Array | None) -> Look:
         values, maps = described.values, described.maps
         illum = int(values.get("illum", [2])[0])
         scale, offset, clamp = (1.0, 1.0), (0.0, 0.0), False
@@ -155,14 +158,14 @@ class Library:
         if illum == _UNLIT:
             material = replace(material, emission=canvas.color(albedo), specular=0.0)
         else:
-            material = self._lit(material, described, canvas, albedo, passes)
+            material = self._lit(material, described, canvas, albedo, passes, colors)
         index = values.get("Ni", [1.0])[0]
         solid = passes and illum in _REFRACTING and index > 1
         return Look(material, bool(pictures), solid, scale, offset)
 
     def _lit(
         self, material: Material, described: _Described, canvas: Canvas, albedo: Values,
-        passes: bool,
+        passes: bool, colors: Array | None,
     ) -> Material:  # fmt: skip
         values = described.values
         index = max(1.0, min(values.get("Ni", [1.0])[0], 100.0))
@@ -171,11 +174,14 @@ class Library:
         rough = roughness_of_exponent(values["Ns"][0]) if "Ns" in values else 0.6
         specular = None if index > 1 and (shiny or passes) else PLASTIC if shiny else 0.0
         if metal > 0:
-            shared = albedo.min(axis=-1, keepdims=True)
-            mirrored = float(shared.mean())
+            found = divided(albedo, np.array([metal], np.float32), np.zeros(1, np.float32), colors)
             plain = PLASTIC if specular is None else specular
-            albedo = albedo * (1 - metal) + metal * np.maximum(albedo - np.float32(mirrored), 0)
-            specular = (1 - metal) * plain + metal * mirrored
+            albedo = found.albedo
+            specular = (1 - metal) * plain + metal * found.mirrored
+            if colors is not None and (colors != colors[0]).any():
+                self._notes.add(VERTICES, described.name)
+            if found.colored_metal:
+                self._notes.add(METAL, described.name)
         tint = color(np.clip(values["Tf"], 0, 1)) if passes else BLACK
         return replace(
             material,
@@ -216,9 +222,7 @@ class Library:
         if name not in self._pictures:
             try:
                 content = self._folder.read(name)
-            except SceneError as error:
-                if "No such file" not in str(error):
-                    raise
+            except MissingFileError:
                 self._notes.add("a picture is missing; its surfaces have no texture", name)
                 return None
             self._pictures[name] = read_picture(content, name, self._budget)

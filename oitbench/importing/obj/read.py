@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from pathlib import Path
 
 import numpy as np
 
@@ -14,10 +13,12 @@ from oitbench.importing.limits import Budget, short
 from oitbench.importing.notes import Notes
 from oitbench.importing.obj.faces import Run, corners_of
 from oitbench.importing.obj.materials import Library
-from oitbench.importing.obj.text import lines_of, table_of
+from oitbench.importing.obj.text import keyword_of, lines_of, table_of
 from oitbench.importing.shapes import Indices
 from oitbench.scene import Floats, Mesh, Object
 
+_STATE = ("v", "vt", "vn", "s", "usemtl", "o", "g")
+"""Keywords after which faces mean something else; others may stand between faces of one run."""
 _SILENT = ("", "#", "g", "vp", "cstype", "deg")
 
 
@@ -29,7 +30,6 @@ class _Lines:
     coordinates: list[str] = field(default_factory=list)
     normals: list[str] = field(default_factory=list)
     runs: dict[tuple[str, str], list[Run]] = field(default_factory=dict)
-    absolute: dict[tuple[str, str, int], Run] = field(default_factory=dict)
     libraries: list[str] = field(default_factory=list)
 
     def new_run(self, title: str, material: str, smooth: int) -> Run:
@@ -40,7 +40,7 @@ class _Lines:
         return run
 
 
-def read_obj(file: Path, folder: Folder, budget: Budget, notes: Notes) -> Content:
+def read_obj(folder: Folder, budget: Budget, notes: Notes) -> Content:
     """Return the content of an .obj file."""
     content = folder.read_main()
     budget.take("bytes of text", len(content))
@@ -60,10 +60,10 @@ def read_obj(file: Path, folder: Folder, budget: Budget, notes: Notes) -> Conten
     found, names = Content(), Names()
     for (title, material), runs in lines.runs.items():
         name = names.free(title or material or "mesh")
-        look = library.look(material)
-        mesh = _mesh(data, runs, budget, notes, name)
+        mesh = _mesh(data, runs, budget, notes)
         if mesh is None:
             continue
+        look = library.look(material, mesh.albedo)
         if look.textured:
             uvs = np.zeros((len(mesh.positions), 2)) if mesh.uvs is None else mesh.uvs
             if mesh.uvs is None:
@@ -84,14 +84,14 @@ def _sorted(lines: list[str], notes: Notes) -> _Lines:
     title, group, material, smooth = "", "", "", 0
     run: Run | None = None
     for line in lines:
-        key, _, rest = line.strip().partition(" ")
+        key, rest = keyword_of(line)
         if key == "f":
             if run is None:
-                run = Run((len(found.vertices), len(found.coordinates), len(found.normals)), smooth)
-                found.runs.setdefault((title or group, material), []).append(run)
+                run = found.new_run(title or group, material, smooth)
             run.faces.append(rest)
             continue
-        run = None
+        if key in _STATE:
+            run = None
         if key == "v":
             found.vertices.append(rest)
         elif key == "vt":
@@ -99,15 +99,15 @@ def _sorted(lines: list[str], notes: Notes) -> _Lines:
         elif key == "vn":
             found.normals.append(rest)
         elif key == "usemtl":
-            material = rest.strip()
+            material = rest
         elif key == "o":
-            title = rest.strip()
+            title = rest
         elif key == "g":
-            group = rest.strip()
+            group = rest
         elif key == "s":
             smooth = _smoothing(rest)
         elif key == "mtllib":
-            found.libraries.append(rest.strip())
+            found.libraries.append(rest)
         elif key in ("p", "l"):
             notes.add("points and lines are left out")
         elif key not in _SILENT and not key.startswith("#"):
@@ -117,10 +117,9 @@ def _sorted(lines: list[str], notes: Notes) -> _Lines:
 
 def _smoothing(text: str) -> int:
     """Return the number of a smoothing group; 0 for flat faces."""
-    word = text.strip()
-    if word in ("", "off"):
+    if text in ("", "off"):
         return 0
-    return min(int(word), 2**30) if word.isascii() and word.isdigit() else 1
+    return min(int(text), 2**30) if text.isascii() and text.isdigit() else 1
 
 
 @dataclass(frozen=True, eq=False)
@@ -131,23 +130,16 @@ class _Data:
     normals: Floats
 
 
-def _mesh(data: _Data, runs: list[Run], budget: Budget, notes: Notes, name: str) -> Mesh | None:
+def _mesh(data: _Data, runs: list[Run], budget: Budget, notes: Notes) -> Mesh | None:
     """Return the faces of some runs as a mesh; None if they have no area."""
     counts = len(data.positions), len(data.coordinates), len(data.normals)
     parts: list[Indices] = []
     for run in runs:
         for corners in corners_of(run, counts):
-            if corners.shape[1] < 3:
-                continue
-            budget.take("triangles", len(corners) * (corners.shape[1] - 2))
-            local = polygons.split(data.positions, corners[..., 0], notes).reshape(-1, 3)
-            rows = np.repeat(np.arange(len(corners)), corners.shape[1] - 2)
-            triples = corners[rows[:, None], local]
-            kept = shapes.sound(data.positions, triples[..., 0])
-            if not kept.all():
-                notes.add("triangles without area are left out")
+            places = polygons.cut(data.positions, corners[..., 0], budget, notes)
+            triples = corners[places]
             smooth = np.full((*triples.shape[:2], 1), run.smooth)
-            parts.append(np.concatenate([triples, smooth], axis=2)[kept])
+            parts.append(np.concatenate([triples, smooth], axis=2))
     if not parts or not sum(map(len, parts)):
         return None
     triples = np.concatenate(parts)

@@ -30,6 +30,12 @@ def lines_of(content: bytes) -> list[str]:
     return text.replace("\\\n", " ").split("\n")
 
 
+def keyword_of(line: str) -> tuple[str, str]:
+    """Return the keyword of a line, and the text after it; both are empty for an empty line."""
+    words = line.split(None, 1)
+    return (words[0], words[1].rstrip()) if len(words) == 2 else ("".join(words), "")
+
+
 def numbers_of(text: str, owner: str) -> list[float]:
     """Return the finite numbers of a text.
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 
 from oitbench.errors import SceneError
@@ -26,7 +24,7 @@ _ROUGHNESS = 0.6
 _LISTS = ("vertex_indices", "vertex_index")
 
 
-def read_ply(file: Path, folder: Folder, budget: Budget, notes: Notes) -> Content:
+def read_ply(folder: Folder, budget: Budget, notes: Notes) -> Content:
     """Return the content of a .ply file."""
     content = folder.read_main()
     order, elements, head, start = read_header(content)
@@ -76,7 +74,7 @@ def _object(
     for name, values in vertices.items():
         if not np.isfinite(values).all():
             raise SceneError(f"'{short(name)}' holds NaN or infinity; export the file again")
-    parts = [polygons.triangles(positions, rows, budget, notes) for rows in faces if len(rows)]
+    parts = [rows[polygons.cut(positions, rows, budget, notes)] for rows in faces if len(rows)]
     triangles = np.concatenate(parts) if parts else np.zeros((0, 3), dtype=np.int64)
     if not len(triangles):
         raise SceneError("it has no triangle that can be seen; points have no surface")
