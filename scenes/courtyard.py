@@ -83,6 +83,7 @@ from oitbench.scene import (
     opposite,
     sample_density,
 )
+from oitbench.scene.paths import between
 
 quick = False
 near = 0.1
@@ -162,6 +163,7 @@ CLIMBING = (
     Plant("blossoms", (1.4, 3.75, -8.5), (2.6, 0.5, 0.3), blossom, (0.06, 0.06), 320, PINKS, 0.5),
 )
 # fmt: on
+CAMERA = Camera(position=(0.50, 1.30, 1.80), target=(-0.22, 1.28, -3.0), fov_y=math.radians(50))
 VIEWS = {
     "table": Camera(position=(0.42, 1.12, 1.12), target=(0.10, 0.86, 0.28), fov_y=math.radians(42)),
     "tree": Camera(
@@ -184,10 +186,9 @@ def build(*, name: str, detail: float, extinction: float, seed: int) -> Scene:
     )
     return Scene(
         name=name,
-        camera=Camera(
-            position=(0.50, 1.30, 1.80), target=(-0.22, 1.28, -3.0), fov_y=math.radians(50)
-        ),
+        camera=CAMERA,
         views=VIEWS,
+        path=between(CAMERA, VIEWS["tree"], 24),
         objects=(*_buildings(detail), *_tables(detail), *_plants(seed, detail)),
         lights=(DirectionalLight(opposite(SUNWARD), SUN), _lamplight(), gradient_sky(SKY)),
         medium=haze,
