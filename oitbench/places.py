@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 
+from msgspec import Struct
+
 from oitbench.errors import UsageError, printable, unknown
 
 KINDS = ("methods", "scenes", "reference", "reports")
@@ -46,6 +48,31 @@ class Names(Mapping[str, Path]):
 
     def __len__(self) -> int:
         return len(self._paths)
+
+
+class PluginFiles(Struct, frozen=True):
+    """The files of the plugins that a worker needs, as a part of its settings.
+
+    Parameters
+    ----------
+    collections : list of Path
+        All collection folders.
+    scenes : list of Path
+        Further files that are scenes.
+    methods : dict of str to Path
+        Further methods by name.
+    """
+
+    collections: list[Path]
+    scenes: list[Path] = []
+    methods: dict[str, Path] = {}
+
+    def places(self) -> Places:
+        """Return the places of these plugins."""
+        places = Places(self.collections, (), self.scenes)
+        for name, path in self.methods.items():
+            places.methods.add(name, path)
+        return places
 
 
 class Places:
@@ -145,6 +172,11 @@ class Places:
         path = Path(text)
         importable = path.suffix.lower() in IMPORTED
         return self.add_scene(path) if text not in self.scenes and importable else text
+
+    def files(self, methods: Iterable[str] = ()) -> PluginFiles:
+        """Return the files that a worker needs for any scene and the `methods` of some names."""
+        chosen = {name: self.methods[name] for name in methods}
+        return PluginFiles(list(self.folders), list(self.scene_files), chosen)
 
     @property
     def scene_files(self) -> tuple[Path, ...]:

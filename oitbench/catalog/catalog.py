@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import itertools
 import logging
-import os
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
@@ -121,7 +120,7 @@ class Catalog:
                 self.problems.append(f"collection {entry.value}: {error}")
                 _LOG.warning("%s", self.problems[-1])
                 continue
-            yield Path(os.fsdecode(found.folder))
+            yield found.folder
 
     def names(self, kind: Kind) -> list[str]:
         """Return the names of all plugins of a kind."""
@@ -153,7 +152,7 @@ class Catalog:
         path = self.path(kind, name)
         if (kind, name) in self._entries and not check:
             return self._entries[kind, name]
-        request = Describe(kind, name, os.fsencode(path), check)
+        request = Describe(kind, name, path, check)
         try:
             found = self._worker.ask(request, Entry, self._load_seconds, _LOADING, retry=True)
         except OitbenchError as error:
@@ -202,8 +201,8 @@ class Catalog:
                 _LOG.warning("%s: %s", choice.name, note)
         return choice
 
-    def check_files(self, texts: Iterable[str]) -> tuple[Path, ...]:
-        """Read those scenes that are files, `FILE[param=v]`, and return the files.
+    def check_files(self, texts: Iterable[str]) -> None:
+        """Read those scenes that are files, `FILE[param=v]`.
 
         Raises
         ------
@@ -216,7 +215,6 @@ class Catalog:
                 for choice in self.expand_scenes([text]):
                     if choice.error:
                         raise SceneError(choice.error)
-        return self.places.scene_files
 
     def inspect(self, scene: Choice) -> Inspected:
         """Return what is known of the scene of a file that can be imported; read it once.
@@ -227,7 +225,7 @@ class Catalog:
             The file is damaged, or too large.
         """
         if scene.label not in self._inspected:
-            request = Inspect(scene.label, os.fsencode(self.path("scene", scene.name)))
+            request = Inspect(scene.label, self.path("scene", scene.name))
             self._inspected[scene.label] = self._worker.ask(
                 request, Inspected, _FILE_SECONDS, _READING, retry=True
             )
@@ -259,8 +257,8 @@ class Catalog:
         request = Axes(
             scene.label,
             [method.label for method in usable],
-            os.fsencode(self.path("scene", scene.name)),
-            {method.name: os.fsencode(self.path("method", method.name)) for method in usable},
+            self.path("scene", scene.name),
+            {method.name: self.path("method", method.name) for method in usable},
         )
         with suppress(OitbenchError):
             found = self._worker.ask(request, AxesFound, timeout, retry=True)

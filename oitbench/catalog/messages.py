@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Literal
 
 from msgspec import Struct
@@ -29,7 +30,7 @@ class Describe(Struct, frozen=True, tag=True):
 
     kind: Kind
     name: str
-    path: bytes
+    path: Path
     check: bool = False
 
 
@@ -41,21 +42,21 @@ class Axes(Struct, frozen=True, tag=True):
 
     scene: str
     methods: list[str]
-    scene_path: bytes
-    method_paths: dict[str, bytes]
+    scene_path: Path
+    method_paths: dict[str, Path]
 
 
 class Inspect(Struct, frozen=True, tag=True):
     """Asks whether a file can be imported as a scene, with the values of parameters of a label."""
 
     scene: str
-    path: bytes
+    path: Path
 
 
 class Resolved(Struct, frozen=True, tag=True):
     """The folder of an installed collection."""
 
-    folder: bytes
+    folder: Path
 
 
 class Entry(Struct, frozen=True, tag=True):
@@ -100,12 +101,12 @@ class Inspected(Struct, frozen=True, tag=True):
     ----------
     notes : list of str
         What the scene shows differently from its file, in one line each.
-    files : dict of str to bytes
+    files : dict of str to Path
         Files beside it that it needs, by their paths relative to its folder.
     """
 
     notes: list[str]
-    files: dict[str, bytes]
+    files: dict[str, Path]
 
 
 Request = Resolve | Describe | Axes | Inspect

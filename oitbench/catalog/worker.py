@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import ast
-import os
 from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
@@ -37,14 +36,14 @@ def _begin(settings: Nothing, on_step: OnStep) -> Callable[[Request], Reply]:
 
     def answer(request: Request) -> Reply:
         if isinstance(request, Resolve):
-            return Resolved(os.fsencode(installed_folder(request.value)))
+            return Resolved(installed_folder(request.value))
         if isinstance(request, Describe):
             return _describe(collection, request)
         if isinstance(request, Inspect):
             return _inspect(collection, request)
         for name, path in request.method_paths.items():
-            collection.places.methods.add(name, _path(path))
-        collection.places.scenes.add(request.scene.partition("[")[0], _path(request.scene_path))
+            collection.places.methods.add(name, path)
+        collection.places.scenes.add(request.scene.partition("[")[0], request.scene_path)
         effects = collection.build_scene(request.scene).effects
         methods = collection.expand_methods(request.methods)
         return AxesFound([list(effects_axis(effects, method)) for method in methods])
@@ -52,12 +51,8 @@ def _begin(settings: Nothing, on_step: OnStep) -> Callable[[Request], Reply]:
     return answer
 
 
-def _path(encoded: bytes) -> Path:
-    return Path(os.fsdecode(encoded))
-
-
 def _describe(collection: Collection, request: Describe) -> Entry:
-    path = _path(request.path)
+    path = request.path
     try:
         if request.kind == "method":
             return _method(collection, request.name, path)
@@ -71,12 +66,11 @@ def _describe(collection: Collection, request: Describe) -> Entry:
 def _inspect(collection: Collection, request: Inspect) -> Inspected:
     from oitbench.importing.scene import read_scene
 
-    path = _path(request.path)
+    path = request.path
     collection.places.scenes.add(request.scene.partition("[")[0], path)
     values: dict[str, Any] = collection.scene_values(request.scene)
     imported = read_scene(path, **values)
-    files = {name: os.fsencode(file) for name, file in imported.files.items()}
-    return Inspected(list(imported.notes), files)
+    return Inspected(list(imported.notes), dict(imported.files))
 
 
 def _method(collection: Collection, name: str, path: Path) -> Entry:

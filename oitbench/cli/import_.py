@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import shlex
 import shutil
 from pathlib import Path
@@ -69,7 +68,7 @@ def command(file: Path, out: Path, name: str | None, **options: Any) -> None:
         (choice,) = catalog.expand_scenes([selectors.selector(str(file), texts)])
         if choice.error:
             raise SceneError(choice.error)
-        needed = {key: Path(os.fsdecode(p)) for key, p in catalog.inspect(choice).files.items()}
+        needed = catalog.inspect(choice).files
     title = name or stem
     module = out / "scenes" / f"{title}.py"
     if not _is_name(title):

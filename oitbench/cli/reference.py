@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import sys
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
@@ -31,7 +30,6 @@ from oitbench.path_traced.references.worker import (
     ReferenceRendered,
     RenderReference,
     Reply,
-    Settings,
 )
 from oitbench.places import Names
 from oitbench.truths import MATCHED, TRACED
@@ -147,22 +145,18 @@ def command(
     with Catalog(collections) as catalog:
         jobs = list(_jobs(catalog, scenes, truths, chosen, views, size, ssaa))
     places = catalog.places
-    settings = Settings(
-        [os.fsencode(folder) for folder in places.folders],
-        [os.fsencode(path) for path in places.scene_files],
-    )
     well, failed = True, 0
-    with Process("oitbench.path_traced.references.worker", settings, Reply, limit) as worker:
+    with Process("oitbench.path_traced.references.worker", places.files(), Reply, limit) as worker:
 
         def ask(job: Job, error: str) -> bool:
             if error:
                 raise DeclarationError(error)
             if checks:
                 failures = output or Path("results") / "reference_check"
-                check = CheckReference(job, spp or CHECK_SPP, os.fsencode(failures), adopts)
+                check = CheckReference(job, spp or CHECK_SPP, failures, adopts)
                 return _print_check(console, worker.ask(check, ReferenceChecked, timeout))
             folder = output or _reference_folder(places.scenes, job.scene)
-            render = RenderReference(job, spp, seed, os.fsencode(folder))
+            render = RenderReference(job, spp, seed, folder)
             done = worker.ask(render, ReferenceRendered, timeout)
             place = folder / done.rendering.key
             console.print(f"rendered {place}  {_facts(done)}", markup=False)
@@ -256,9 +250,10 @@ def _print_check(console: Console, checked: ReferenceChecked) -> bool:
     if checked.fraction is None:
         return False
     text = f"{checked.key}  {100 * checked.fraction:.2f} % of the pixels pass"
-    if checked.failures:
-        folder = os.fsdecode(checked.failures)
-        console.print(f"failed   {text}; see the images in {folder}", style="red", markup=False)
+    if checked.failures is not None:
+        console.print(
+            f"failed   {text}; see the images in {checked.failures}", style="red", markup=False
+        )
     else:
         console.print(f"{'adopted ' if checked.adopted else 'passed  '} {text}", markup=False)
     return checked.well

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from oitbench.catalog.catalog import Catalog
 from oitbench.errors import DeclarationError, UsageError
 from oitbench.fitting.worker import FitMethod, Fitted
-from oitbench.measure.worker import Settings
 from oitbench.parameters import parse
 from oitbench.workers import memory
 from oitbench.workers.messages import Step
@@ -72,11 +70,7 @@ def fit(
         if len(methods) != 1:
             raise UsageError(f"'{method}' selects {len(methods)} methods; name one")
         (chosen,) = methods
-        settings = Settings(
-            [os.fsencode(folder) for folder in catalog.places.folders],
-            [os.fsencode(path) for path in catalog.places.scene_files],
-            {chosen.name: os.fsencode(catalog.path("method", chosen.name))},
-        )
+        files = catalog.places.files([chosen.name])
     request = FitMethod(
         chosen.label,
         sorted(parse(method).grid),
@@ -86,6 +80,6 @@ def fit(
         degrees,
         evaluations,
     )
-    with Process("oitbench.fitting.worker", settings, Fitted, limit) as worker:
+    with Process("oitbench.fitting.worker", files, Fitted, limit) as worker:
         fitted: Fitted = worker.ask(request, Fitted, timeout, _LOADING)
     return fitted

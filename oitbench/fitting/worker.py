@@ -12,8 +12,8 @@ from oitbench.errors import SceneError
 from oitbench.fitting.search import free_axes, minimize
 from oitbench.fitting.views import Views, seen_from
 from oitbench.gl.device import Device
-from oitbench.measure.worker import Settings, collection_of
 from oitbench.method.declaration import Method
+from oitbench.places import PluginFiles
 from oitbench.plugins import Collection
 from oitbench.workers.messages import Step
 from oitbench.workers.serve import OnStep, serve
@@ -47,8 +47,8 @@ class Fitted(Struct, frozen=True, tag=True):
     errors: list[SceneErrors]
 
 
-def _begin(settings: Settings, on_step: OnStep) -> Callable[[FitMethod], Fitted]:
-    collection = collection_of(settings)
+def _begin(files: PluginFiles, on_step: OnStep) -> Callable[[FitMethod], Fitted]:
+    collection = Collection(files.places())
 
     def answer(request: FitMethod) -> Fitted:
         with Device() as device, ExitStack() as stack:
@@ -107,4 +107,4 @@ def fit(
 
 def main() -> None:
     """Serve the process that started this one."""
-    serve(Settings, FitMethod, _begin)
+    serve(PluginFiles, FitMethod, _begin)

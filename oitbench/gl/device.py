@@ -65,7 +65,7 @@ class Device:
     Attributes
     ----------
     context : moderngl.Context
-    renderer, version : str
+    renderer, vendor, version : str
         Names that the driver reports.
     software : bool
         Whether the renderer runs on the CPU; it is then timed by wall clock.
@@ -103,6 +103,7 @@ class Device:
         # The usual [-1, 1] would round small depths as if they were near one.
         self.call("glClipControl", _LOWER_LEFT, _ZERO_TO_ONE)
         self.renderer = str(self.context.info["GL_RENDERER"])
+        self.vendor = str(self.context.info["GL_VENDOR"])
         self.version = str(self.context.info["GL_VERSION"])
         self.software = is_software(self.renderer)
         self.loop_limit = loop_limit(self.renderer)

@@ -123,9 +123,7 @@ class Bench:
     @property
     def gl(self) -> Renderer:
         """The renderer."""
-        device = self.device
-        vendor = str(device.context.info["GL_VENDOR"])
-        return Renderer(device.renderer, vendor, device.version, device.software)
+        return Renderer.of(self.device)
 
     def leave_scene(self) -> None:
         """Free the scene that is kept for further cells."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
@@ -70,7 +69,7 @@ def render(
     settings = read_shading(",".join(shading)).label
     with lone_worker(scene, collections, memory_gib) as (worker, folder):
         file = folder / "image.npy"
-        request = DrawPicture(scene, method, size, ssaa, effects, os.fsencode(file), settings, view)
+        request = DrawPicture(scene, method, size, ssaa, effects, file, settings, view)
         drawn = worker.ask(request, PictureDrawn, timeout, _DRAWING)
         image: Image = np.load(file)
     return image, drawn.exposure

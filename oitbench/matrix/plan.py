@@ -13,6 +13,7 @@ from oitbench.effects import Effect
 from oitbench.errors import UsageError, unknown
 from oitbench.matrix.cell import Cell, choose_effects
 from oitbench.method.ablation import EACH, REQUESTED
+from oitbench.places import PluginFiles
 from oitbench.shading import parse_shading
 from oitbench.truths import EXACT, TRUTHS
 from oitbench.views import MAIN
@@ -75,10 +76,8 @@ class Matrix:
     out : Path
         The results folder.
     seed : int
-    collections, method_folders : tuple of Path
-        All collection folders, and folders of further methods.
-    scene_files : tuple of Path
-        Files that are scenes.
+    plugins : PluginFiles
+        The files of all scenes, and of the methods of the cells.
     methods : tuple of str
         Names of all known methods.
     unusable : mapping of Cell to str
@@ -97,9 +96,7 @@ class Matrix:
     preset: Preset
     out: Path
     seed: int = 1
-    collections: tuple[Path, ...] = ()
-    method_folders: tuple[Path, ...] = ()
-    scene_files: tuple[Path, ...] = ()
+    plugins: PluginFiles = field(default_factory=lambda: PluginFiles([]))
     methods: tuple[str, ...] = ()
     unusable: Mapping[Cell, str] = field(default_factory=dict)
     force: bool = False
@@ -200,8 +197,8 @@ def plan_matrix(
             for error in [scene.error or method.error]
         ]
     return Matrix(
-        tuple(cell for cell, _ in pairs), chosen, Path(out), seed, tuple(catalog.places.folders),
-        _foreign_folders(chosen_methods, catalog), catalog.places.scene_files,
+        tuple(cell for cell, _ in pairs), chosen, Path(out), seed,
+        catalog.places.files(method.name for method in chosen_methods),
         tuple(catalog.names("method")),
         {cell: error for cell, error in pairs if error}, force, timeout, workers,
         limit,
@@ -237,10 +234,3 @@ def _expand_effects(
             axis = each.get(method.label, [REQUESTED]) if text == EACH else [text]
             found |= dict.fromkeys(axis)
         yield method, list(found)
-
-
-def _foreign_folders(methods: Sequence[Choice], catalog: Catalog) -> tuple[Path, ...]:
-    """Return the folders of methods that were given by path."""
-    paths = {catalog.path("method", method.name).parent for method in methods}
-    inside = {folder / "methods" for folder in catalog.places.folders}
-    return tuple(sorted(path for path in paths if path.parent not in inside))

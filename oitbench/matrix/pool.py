@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import os
 import tempfile
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
 from oitbench.catalog.catalog import Catalog
 from oitbench.matrix.worker import Hello, Reply, Settings
+from oitbench.places import PluginFiles
 from oitbench.workers import memory
 from oitbench.workers.process import Process
 
@@ -19,32 +19,15 @@ class WorkerProcess(Process):
 
     Parameters
     ----------
-    collections : sequence of Path
-        All collection folders.
-    methods : sequence of Path
-        Folders of further methods.
-    scenes : sequence of Path
-        Files that are scenes.
+    plugins : PluginFiles
     folder : Path
         The results folder.
     memory_limit : int
         Bytes that the process and its children may use.
     """
 
-    def __init__(
-        self,
-        collections: Sequence[Path],
-        methods: Sequence[Path],
-        scenes: Sequence[Path],
-        folder: Path,
-        memory_limit: int,
-    ) -> None:
-        settings = Settings(
-            [os.fsencode(path) for path in collections],
-            [os.fsencode(path) for path in methods],
-            [os.fsencode(path) for path in scenes],
-            os.fsencode(folder),
-        )
+    def __init__(self, plugins: PluginFiles, folder: Path, memory_limit: int) -> None:
+        settings = Settings(plugins, folder)
         super().__init__("oitbench.matrix.worker", settings, Reply, memory_limit, Hello())
 
 
@@ -64,10 +47,10 @@ def lone_worker(
         Memory that the process may use, in GiB. Default: 75 % of the machine's.
     """
     with Catalog(collections) as catalog:
-        folders = catalog.places.folders
-        files = catalog.check_files([scene])
+        catalog.check_files([scene])
+        plugins = catalog.places.files()
     limit = memory.limit(memory_gib, 1)
     with tempfile.TemporaryDirectory(prefix="oitbench-") as name:
         folder = Path(name)
-        with WorkerProcess(folders, (), files, folder, limit) as worker:
+        with WorkerProcess(plugins, folder, limit) as worker:
             yield worker, folder

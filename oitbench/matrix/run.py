@@ -135,13 +135,7 @@ def run_matrix(
     start = time.perf_counter()
     summary = Summary()
     pool = [
-        WorkerProcess(
-            matrix.collections,
-            matrix.method_folders,
-            matrix.scene_files,
-            matrix.out,
-            matrix.memory_limit,
-        )
+        WorkerProcess(matrix.plugins, matrix.out, matrix.memory_limit)
         for _ in range(matrix.workers)
     ]
     with Store.open(matrix.out) as store:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -76,9 +75,7 @@ def draw(
     settings = read_shading(",".join(shading)).label
     with lone_worker(scene, collections, memory_gib) as (worker, folder):
         file = folder / "targets.npz"
-        request = DrawTargets(
-            scene, method, size, ssaa, effects, list(names), os.fsencode(file), settings, view
-        )
+        request = DrawTargets(scene, method, size, ssaa, effects, list(names), file, settings, view)
         drawn = worker.ask(request, TargetsDrawn, timeout, _DRAWING)
         if not file.exists():
             return [DrawnTarget(facts, None, drawn.exposure) for facts in drawn.targets]

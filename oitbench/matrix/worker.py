@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -22,7 +21,7 @@ from oitbench.matrix.cell import Cell, choose_effects
 from oitbench.matrix.timed_cells import ScoredCell, Timing
 from oitbench.measure.rounds import Schedule
 from oitbench.method.declaration import Method
-from oitbench.places import Places
+from oitbench.places import PluginFiles
 from oitbench.plugins import Collection
 from oitbench.results.schema import Fingerprints, Record, Renderer
 from oitbench.shading import read_shading
@@ -34,12 +33,10 @@ LIST, ALL = "list", "all"
 
 
 class Settings(Struct, frozen=True):
-    """Collections, folders of further methods, files that are scenes, and the results folder."""
+    """The files of plugins, and the results folder."""
 
-    collections: list[bytes]
-    methods: list[bytes]
-    scenes: list[bytes]
-    folder: bytes
+    plugins: PluginFiles
+    folder: Path
 
 
 class Hello(Struct, frozen=True, tag=True):
@@ -75,7 +72,7 @@ class DrawPicture(Struct, frozen=True, tag=True):
     size: tuple[int, int]
     ssaa: int
     effects: str
-    file: bytes
+    file: Path
     shading: str = ""
     view: str = MAIN
 
@@ -89,7 +86,7 @@ class DrawTargets(Struct, frozen=True, tag=True):
     ssaa: int
     effects: str
     names: list[str]
-    file: bytes
+    file: Path
     shading: str = ""
     view: str = MAIN
 
@@ -150,10 +147,7 @@ Reply = Greeting | CellsIdentified | CellDone | CellsTimed | PictureDrawn | Targ
 
 
 def _begin(settings: Settings, on_step: OnStep) -> Callable[[Request], Reply]:
-    places = Places(
-        *(map(_path, p) for p in (settings.collections, settings.methods, settings.scenes))
-    )
-    bench = Bench(Collection(places), _path(settings.folder), on_step)
+    bench = Bench(Collection(settings.plugins.places()), settings.folder, on_step)
 
     def answer(request: Request) -> Reply:
         if isinstance(request, Hello):
@@ -195,7 +189,7 @@ def _draw(bench: Bench, request: DrawPicture) -> PictureDrawn:
         frame.render()
         image = files.box_downsample(frame.image(), request.ssaa)
         exposure = frame.scene.scene.exposure
-    with _path(request.file).open("wb") as file:
+    with request.file.open("wb") as file:
         np.save(file, image)
     return PictureDrawn(exposure)
 
@@ -211,7 +205,7 @@ def _draw_targets(bench: Bench, request: DrawTargets) -> TargetsDrawn:
         if request.names != [LIST]:
             frame.render()
             arrays: dict[str, Any] = {str(k): item.read() for k, item in enumerate(chosen)}
-            with _path(request.file).open("wb") as file:
+            with request.file.open("wb") as file:
                 np.savez(file, **arrays)
         exposure = frame.scene.scene.exposure
     facts = [
@@ -219,10 +213,6 @@ def _draw_targets(bench: Bench, request: DrawTargets) -> TargetsDrawn:
         for item in chosen
     ]
     return TargetsDrawn(exposure, facts)
-
-
-def _path(encoded: bytes) -> Path:
-    return Path(os.fsdecode(encoded))
 
 
 def main() -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import pickle
 import tempfile
 from collections.abc import Iterable, Sequence
@@ -11,7 +10,7 @@ from pathlib import Path
 from oitbench.catalog.catalog import Catalog
 from oitbench.errors import DeclarationError, UsageError
 from oitbench.measure.visibility import STEP_SECONDS, Curves
-from oitbench.measure.worker import MeasurePixel, PixelMeasured, Settings
+from oitbench.measure.worker import MeasurePixel, PixelMeasured
 from oitbench.workers import memory
 from oitbench.workers.messages import Step
 from oitbench.workers.process import Process
@@ -62,18 +61,14 @@ def measure(
                 raise DeclarationError(choice.error)
         if len(scenes) != 1:
             raise UsageError(f"'{scene}' selects {len(scenes)} scenes; name one")
-        settings = Settings(
-            [os.fsencode(folder) for folder in catalog.places.folders],
-            [os.fsencode(path) for path in catalog.places.scene_files],
-            {item.name: os.fsencode(catalog.path("method", item.name)) for item in chosen},
-        )
+        files = catalog.places.files(item.name for item in chosen)
     with (
         tempfile.TemporaryDirectory(prefix="oitbench-") as folder,
-        Process("oitbench.measure.worker", settings, PixelMeasured, limit) as worker,
+        Process("oitbench.measure.worker", files, PixelMeasured, limit) as worker,
     ):
         file = Path(folder) / "curves.pickle"
         labels = [choice.label for choice in chosen]
-        request = MeasurePixel(scenes[0].label, pixel, size, labels, os.fsencode(file))
+        request = MeasurePixel(scenes[0].label, pixel, size, labels, file)
         worker.ask(request, PixelMeasured, timeout, _LOADING)
         curves: Curves = pickle.loads(file.read_bytes())
     return curves

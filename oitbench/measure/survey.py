@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from oitbench.catalog.catalog import Catalog, Choice
 from oitbench.errors import OitbenchError
-from oitbench.measure.worker import MeasureScene, Reply, SceneMeasured, Settings
+from oitbench.measure.worker import MeasureScene, Reply, SceneMeasured
 from oitbench.results.statistics import SceneStatistics
 from oitbench.workers.process import Process
 
@@ -54,13 +53,8 @@ def survey(
     timeout : float, optional
         Seconds for building a scene, and for each view. None: no limit.
     """
-    places = catalog.places
-    settings = Settings(
-        [os.fsencode(folder) for folder in places.folders],
-        [os.fsencode(path) for path in places.scene_files],
-        {},
-    )
-    with Process("oitbench.measure.worker", settings, Reply, memory_limit) as worker:
+    files = catalog.places.files()
+    with Process("oitbench.measure.worker", files, Reply, memory_limit) as worker:
         for choice in scenes:
             if choice.error:
                 yield SceneView(choice.label, error=choice.error)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import pickle
 from collections.abc import Callable
 from pathlib import Path
@@ -15,7 +14,7 @@ from oitbench.gl.frame import check_size
 from oitbench.gl.uploaded_scene import UploadedScene
 from oitbench.measure import scene_statistics, visibility
 from oitbench.measure.scene_statistics import views_of
-from oitbench.places import Places
+from oitbench.places import PluginFiles
 from oitbench.plugins import Collection
 from oitbench.results.statistics import SceneStatistics
 from oitbench.scene import Scene
@@ -25,14 +24,6 @@ from oitbench.workers.serve import OnStep, serve
 _BUILDING = Step("building the scene")
 
 
-class Settings(Struct, frozen=True):
-    """All collections, files that are scenes, and the file of each method that is used, by name."""
-
-    collections: list[bytes]
-    scenes: list[bytes]
-    methods: dict[str, bytes]
-
-
 class MeasurePixel(Struct, frozen=True, tag=True):
     """Asks for the curves of methods at one pixel, in `file`, pickled; labels select all."""
 
@@ -40,7 +31,7 @@ class MeasurePixel(Struct, frozen=True, tag=True):
     pixel: tuple[int, int]
     size: tuple[int, int]
     methods: list[str]
-    file: bytes
+    file: Path
 
 
 class PixelMeasured(Struct, frozen=True, tag=True):
@@ -65,16 +56,8 @@ Request = MeasurePixel | MeasureScene
 Reply = PixelMeasured | SceneMeasured
 
 
-def collection_of(settings: Settings) -> Collection:
-    """Return the plugins that the settings name."""
-    places = Places(map(_path, settings.collections), (), map(_path, settings.scenes))
-    for name, path in settings.methods.items():
-        places.methods.add(name, _path(path))
-    return Collection(places)
-
-
-def _begin(settings: Settings, on_step: OnStep) -> Callable[[Request], Reply]:
-    collection = collection_of(settings)
+def _begin(files: PluginFiles, on_step: OnStep) -> Callable[[Request], Reply]:
+    collection = Collection(files.places())
 
     def answer(request: Request) -> Reply:
         on_step(_BUILDING)
@@ -90,7 +73,7 @@ def _begin(settings: Settings, on_step: OnStep) -> Callable[[Request], Reply]:
             curves = visibility.measure(
                 device, scene, request.pixel, request.size, methods, announce
             )
-        with _path(request.file).open("wb") as file:
+        with request.file.open("wb") as file:
             pickle.dump(curves, file)
         return PixelMeasured()
 
@@ -108,10 +91,6 @@ def _measure_scene(scene: Scene, size: tuple[int, int], on_step: OnStep) -> Scen
     return SceneMeasured([effect.lower() for effect in names(scene.effects)], views)
 
 
-def _path(encoded: bytes) -> Path:
-    return Path(os.fsdecode(encoded))
-
-
 def main() -> None:
     """Serve the process that started this one."""
-    serve(Settings, Request, _begin)
+    serve(PluginFiles, Request, _begin)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 
@@ -88,10 +87,8 @@ def film(
         if scenes[0].error:
             raise DeclarationError(scenes[0].error)
         settings = Settings(
-            [os.fsencode(folder) for folder in catalog.places.folders],
-            [os.fsencode(path) for path in catalog.places.scene_files],
-            {item.name: os.fsencode(catalog.path("method", item.name)) for item in chosen},
-            os.fsencode(out),
+            catalog.places.files(item.name for item in chosen),
+            out,
             scenes[0].label,
             view,
             size,

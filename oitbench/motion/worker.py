@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from pathlib import Path
@@ -19,7 +18,7 @@ from oitbench.image.stored import StoredImage
 from oitbench.motion.film import SEED, Keep, Set, Shot, exact_changes, film
 from oitbench.motion.path import cameras_of
 from oitbench.motion.record import FRAMES, CameraPlace, Track
-from oitbench.places import Places
+from oitbench.places import PluginFiles
 from oitbench.plugins import Collection
 from oitbench.results.schema import Renderer
 from oitbench.scene import Camera
@@ -31,12 +30,10 @@ _BUILDING = Step("building the scene", shared=True)
 
 
 class Settings(Struct, frozen=True):
-    """All collections, scenes that are files, methods by name, the folder of results, the path."""
+    """The files of plugins, the folder of results, and the path."""
 
-    collections: list[bytes]
-    scenes: list[bytes]
-    methods: dict[str, bytes]
-    folder: bytes
+    plugins: PluginFiles
+    folder: Path
     scene: str
     view: str
     size: tuple[int, int]
@@ -80,10 +77,7 @@ class _Studio:
     """The scene on the device, and exact compositing along the path."""
 
     def __init__(self, settings: Settings, on_step: OnStep) -> None:
-        places = Places(map(_path, settings.collections), (), map(_path, settings.scenes))
-        for name, path in settings.methods.items():
-            places.methods.add(name, _path(path))
-        self.collection = Collection(places)
+        self.collection = Collection(settings.plugins.places())
         self._settings, self._on_step = settings, on_step
         self._open = ExitStack()
         on_step(_BUILDING)
@@ -111,15 +105,9 @@ class _Studio:
 
     def exact(self) -> ExactFilmed:
         """Store exact compositing."""
-        device, keep = self._device, self._keeping("exact")
-        gl = Renderer(
-            device.renderer,
-            str(device.context.info["GL_VENDOR"]),
-            device.version,
-            device.software,
-        )
+        keep = self._keeping("exact")
         return ExactFilmed(
-            gl,
+            Renderer.of(self._device),
             self.stage.scene.exposure,
             [CameraPlace.of(camera) for camera in self.cameras],
             [keep(number, shot.linear) for number, shot in enumerate(self.shots)],
@@ -143,7 +131,7 @@ class _Studio:
         ]
 
     def _keeping(self, label: str) -> Keep:
-        folder = _path(self._settings.folder)
+        folder = self._settings.folder
 
         def keep(number: int, image: Image) -> StoredImage:
             self._on_step(Step(f"drawing {label}, frame {number + 1}"))
@@ -163,10 +151,6 @@ def _begin(settings: Settings, on_step: OnStep) -> Callable[[Request], Reply]:
         return MethodFilmed(studio.film(request.method))
 
     return answer
-
-
-def _path(encoded: bytes) -> Path:
-    return Path(os.fsdecode(encoded))
 
 
 def main() -> None:

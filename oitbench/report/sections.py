@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -60,7 +59,7 @@ def build_sections(
     memory_limit : int, optional
         Bytes that the worker may use. Default: the share of a single worker.
     """
-    settings = Settings(os.fsencode(context.results.folder), os.fsencode(context.out), context.hdr)
+    settings = Settings(context.results.folder, context.out, context.hdr)
     limit = memory.share(1) if memory_limit is None else memory_limit
     with Process("oitbench.report.worker", settings, SectionBuilt, limit) as worker:
         sections = [_build(worker, name, path, timeout) for name, path in reports.items()]
@@ -69,7 +68,7 @@ def build_sections(
 
 def _build(worker: Process, name: str, path: Path, timeout: float | None) -> Section:
     try:
-        built = worker.ask(BuildSection(name, os.fsencode(path)), SectionBuilt, timeout)
+        built = worker.ask(BuildSection(name, path), SectionBuilt, timeout)
     except OitbenchError as error:
         text = str(error)
         return Section(name, name, error=text if str(path) in text else f"{path}: {text}")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable
 from pathlib import Path
 
@@ -26,8 +25,8 @@ _LOADING, _BUILDING = Step("loading the file"), Step("building the section")
 class Settings(Struct, frozen=True):
     """The results folder, the folder of the page, and whether the page shows HDR-FLIP."""
 
-    results: bytes
-    out: bytes
+    results: Path
+    out: Path
     hdr: bool
 
 
@@ -35,7 +34,7 @@ class BuildSection(Struct, frozen=True, tag=True):
     """Asks for the section of the report `name`, whose file is `path`."""
 
     name: str
-    path: bytes
+    path: Path
 
 
 class SectionBuilt(Struct, frozen=True, tag=True):
@@ -53,13 +52,13 @@ class SectionBuilt(Struct, frozen=True, tag=True):
 
 def _begin(settings: Settings, on_step: OnStep) -> Callable[[BuildSection], SectionBuilt]:
     collection = Collection(Places())
-    results = Results.load(_path(settings.results))
-    context = ReportContext(results, _path(settings.out), settings.hdr)
+    results = Results.load(settings.results)
+    context = ReportContext(results, settings.out, settings.hdr)
     template = environment(context).get_template("section.html")
 
     def answer(request: BuildSection) -> SectionBuilt:
         on_step(_LOADING)
-        path = _path(request.path)
+        path = request.path
         collection.places.reports.add(request.name, path)
         module = collection.reports[request.name]
         on_step(_BUILDING)
@@ -80,10 +79,6 @@ def _begin(settings: Settings, on_step: OnStep) -> Callable[[BuildSection], Sect
             raise DeclarationError(locate(error, path)) from error
 
     return answer
-
-
-def _path(encoded: bytes) -> Path:
-    return Path(os.fsdecode(encoded))
 
 
 def main() -> None:

@@ -8,7 +8,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Any, Final, Literal
+from typing import Annotated, Any, Final, Literal, Protocol
 
 import msgspec
 from msgspec import Meta, Struct
@@ -204,6 +204,13 @@ class Fingerprints(_Typed, frozen=True):
     truths: dict[str, str]
 
 
+class _Device(Protocol):
+    renderer: str
+    vendor: str
+    version: str
+    software: bool
+
+
 class Renderer(_Typed, frozen=True):
     """The OpenGL renderer; `software` renderers run on the CPU."""
 
@@ -211,6 +218,11 @@ class Renderer(_Typed, frozen=True):
     vendor: str = ""
     version: str = ""
     software: bool = False
+
+    @classmethod
+    def of(cls, device: _Device) -> Renderer:
+        """Return the renderer of a device of OpenGL."""
+        return cls(device.renderer, device.vendor, device.version, device.software)
 
 
 class Record(_Typed, frozen=True):

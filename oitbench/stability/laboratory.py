@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Sequence
 
 from oitbench.catalog.catalog import Catalog, Choice
@@ -19,7 +18,6 @@ from oitbench.stability.worker import (
     Measure,
     Measured,
     Reply,
-    Settings,
 )
 from oitbench.workers.messages import Step
 from oitbench.workers.process import Process, WorkerError
@@ -64,13 +62,9 @@ class Laboratory:
         self.lost = {method.label: method.error for method in methods if method.error}
         if len(self.lost) == len(self._names):
             raise DeclarationError("; ".join(dict.fromkeys(self.lost.values())))
-        paths = {name: catalog.path("method", name) for name in self._names.values()}
-        settings = Settings(
-            [os.fsencode(folder) for folder in catalog.places.folders],
-            {name: os.fsencode(path) for name, path in paths.items()},
-        )
+        files = catalog.places.files(self._names.values())
         self._timeout = timeout
-        self._worker = Process("oitbench.stability.worker", settings, Reply, memory_limit, Hello())
+        self._worker = Process("oitbench.stability.worker", files, Reply, memory_limit, Hello())
 
     def __enter__(self) -> Laboratory:
         return self

@@ -2,27 +2,18 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable
-from pathlib import Path
 
 from msgspec import Struct
 
 from oitbench.gl.device import Device
-from oitbench.places import Places
+from oitbench.places import PluginFiles
 from oitbench.plugins import Collection
 from oitbench.results.schema import Renderer
 from oitbench.stability import overview, suite
 from oitbench.stability.overview import Overview
 from oitbench.stability.result import CheckResult
 from oitbench.workers.serve import OnStep, serve
-
-
-class Settings(Struct, frozen=True):
-    """All collection folders, and the file of each method that is used, by its name."""
-
-    collections: list[bytes]
-    methods: dict[str, bytes]
 
 
 class Hello(Struct, frozen=True, tag=True):
@@ -64,18 +55,14 @@ Request = Hello | Examine | Measure
 Reply = Greeting | Examined | Measured
 
 
-def _begin(settings: Settings, on_step: OnStep) -> Callable[[Request], Reply]:
-    places = Places(map(_path, settings.collections))
-    for name, path in settings.methods.items():
-        places.methods.add(name, _path(path))
-    collection, device = Collection(places), Device()
+def _begin(files: PluginFiles, on_step: OnStep) -> Callable[[Request], Reply]:
+    collection, device = Collection(files.places()), Device()
     examiner = suite.Examiner(device, collection)
     checks = {check.name: check for check in suite.checks()}
 
     def answer(request: Request) -> Reply:
         if isinstance(request, Hello):
-            gl = Renderer(device.renderer, version=device.version, software=device.software)
-            return Greeting(gl)
+            return Greeting(Renderer.of(device))
         (method,) = collection.expand_methods([request.method])
         if isinstance(request, Measure):
             return Measured(overview.measure(device, [method]))
@@ -84,10 +71,6 @@ def _begin(settings: Settings, on_step: OnStep) -> Callable[[Request], Reply]:
     return answer
 
 
-def _path(encoded: bytes) -> Path:
-    return Path(os.fsdecode(encoded))
-
-
 def main() -> None:
     """Serve the process that started this one."""
-    serve(Settings, Request, _begin)
+    serve(PluginFiles, Request, _begin)

@@ -19,7 +19,7 @@ from msgspec import Struct
 from oitbench import errors
 from oitbench.errors import OitbenchError
 from oitbench.workers import memory
-from oitbench.workers.messages import Fault, Ready, Refusal, Step
+from oitbench.workers.messages import Fault, Ready, Refusal, Step, decoder, encode
 
 Expected = TypeVar("Expected", bound=Struct)
 _START_SECONDS = 120.0
@@ -94,7 +94,7 @@ class Process:
     ) -> None:
         self._module, self._settings, self._greeting = module, settings, greeting
         self._memory_limit = memory_limit
-        self._decoder = msgspec.json.Decoder(replies | Ready | Refusal | Fault | Step)
+        self._decoder = decoder(replies | Ready | Refusal | Fault | Step)
         self._running: _Running | None = None
         self._lock, self._stopped = threading.Lock(), False
 
@@ -217,7 +217,7 @@ class _Running:
         """Write a line. If nobody reads it, `receive` reports that the process has ended."""
         assert self._process.stdin is not None
         with suppress(BrokenPipeError, ValueError):
-            self._process.stdin.write(msgspec.json.encode(message) + b"\n")
+            self._process.stdin.write(encode(message))
             self._process.stdin.flush()
 
     def receive(self, timeout: float | None, step: Step | None) -> bytes:

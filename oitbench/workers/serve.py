@@ -15,11 +15,10 @@ from pathlib import Path
 from queue import Queue
 from typing import IO, Any, TypeVar
 
-import msgspec
 from msgspec import Struct
 
 from oitbench.errors import OitbenchError, printable
-from oitbench.workers.messages import Fault, Ready, Refusal, Step
+from oitbench.workers.messages import Fault, Ready, Refusal, Step, decoder, encode
 
 Settings = TypeVar("Settings", bound=Struct)
 Answer = Callable[[Any], Struct]
@@ -50,7 +49,7 @@ def serve(
     _end_with_parent()
 
     def send(message: Struct) -> None:
-        line = msgspec.json.encode(message) + b"\n"
+        line = encode(message)
         try:
             outgoing.write(line)
             outgoing.flush()
@@ -58,12 +57,12 @@ def serve(
             os._exit(1)  # The parent is gone, and with it everybody who would read a traceback.
 
     lines = _read_lines(incoming)
-    settings = msgspec.json.decode(lines.get(), type=settings_type)
-    decoder = msgspec.json.Decoder(requests)
+    settings = decoder(settings_type).decode(lines.get())
+    read_request = decoder(requests).decode
     send(Ready())
     answer: Answer | None = None
     while True:
-        request = decoder.decode(lines.get())
+        request = read_request(lines.get())
         try:
             answer = answer or begin(settings, send)
             send(answer(request))

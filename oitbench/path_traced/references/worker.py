@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable
 from pathlib import Path
 
@@ -16,7 +15,7 @@ from oitbench.path_traced.references.rendering import plan_rendering, render_ref
 from oitbench.path_traced.references.storage import Rendering
 from oitbench.path_traced.references.wanted import Wanted
 from oitbench.path_traced.trace.render import Progress
-from oitbench.places import Places
+from oitbench.places import PluginFiles
 from oitbench.plugins import Collection
 from oitbench.scene import Scene
 from oitbench.views import MAIN
@@ -24,13 +23,6 @@ from oitbench.workers.messages import Step
 from oitbench.workers.serve import OnStep, serve
 
 _BUILDING, _TRACING = Step("building the scene"), Step("path tracing the scene")
-
-
-class Settings(Struct, frozen=True):
-    """All collection folders, and files that are scenes."""
-
-    collections: list[bytes]
-    scenes: list[bytes]
 
 
 class Job(Struct, frozen=True):
@@ -60,7 +52,7 @@ class RenderReference(Struct, frozen=True, tag=True):
     job: Job
     spp: int | None
     seed: int
-    folder: bytes
+    folder: Path
 
 
 class CheckReference(Struct, frozen=True, tag=True):
@@ -72,7 +64,7 @@ class CheckReference(Struct, frozen=True, tag=True):
 
     job: Job
     spp: int
-    failures: bytes
+    failures: Path
     adopts: bool
 
 
@@ -94,21 +86,21 @@ class ReferenceChecked(Struct, frozen=True, tag=True):
         One line on references that were found and cannot be used, or "".
     fraction : float, optional
         Share of the pixels that pass. None: there is no usable reference.
-    failures : bytes
-        The folder with the images of a failed check; empty if the check has passed.
+    failures : Path, optional
+        The folder with the images of a failed check. None: the check has passed.
     adopted : bool
     """
 
     key: str
     unusable: str
     fraction: float | None = None
-    failures: bytes = b""
+    failures: Path | None = None
     adopted: bool = False
 
     @property
     def well(self) -> bool:
         """Whether the reference is current and has passed."""
-        passed = self.fraction is not None and not self.failures
+        passed = self.fraction is not None and self.failures is None
         return passed and (self.adopted or not self.unusable)
 
 
@@ -116,10 +108,8 @@ Request = RenderReference | CheckReference
 Reply = ReferenceRendered | ReferenceChecked
 
 
-def _begin(settings: Settings, on_step: OnStep) -> Callable[[Request], Reply]:
-    collection = Collection(
-        Places(map(_path, settings.collections), (), map(_path, settings.scenes))
-    )
+def _begin(files: PluginFiles, on_step: OnStep) -> Callable[[Request], Reply]:
+    collection = Collection(files.places())
 
     def progress(done: int, count: int) -> None:
         # Each sample is a step, so that long renderings are not taken for endless ones.
@@ -139,7 +129,7 @@ def _begin(settings: Settings, on_step: OnStep) -> Callable[[Request], Reply]:
 def _render(scene: Scene, request: RenderReference, progress: Progress) -> ReferenceRendered:
     rendering = plan_rendering(request.job.wanted(scene), request.spp, request.seed)
     reference = render_reference(scene, rendering, progress)
-    storage.save(_path(request.folder), reference)
+    storage.save(request.folder, reference)
     return ReferenceRendered(rendering, reference.noise_floor, reference.seconds)
 
 
@@ -157,19 +147,15 @@ def _check(
                 f"{key}: no such reference is stored; run without --check to render it"
             )
         return ReferenceChecked(key, found.message)
-    failures = _path(request.failures)
+    failures = request.failures
     result = check(scene, reference, failures, request.spp, progress)
     adopted = result.passed and found.reference is None and found.stale is not None
     if adopted and found.stale is not None:
         lookup.adopt(scene, *found.stale)
-    folder = b"" if result.passed else os.fsencode(failure_folder(failures, reference))
+    folder = None if result.passed else failure_folder(failures, reference)
     return ReferenceChecked(key, found.message, result.fraction, folder, adopted)
-
-
-def _path(encoded: bytes) -> Path:
-    return Path(os.fsdecode(encoded))
 
 
 def main() -> None:
     """Serve the process that started this one."""
-    serve(Settings, Request, _begin)
+    serve(PluginFiles, Request, _begin)
