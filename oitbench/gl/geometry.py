@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Hashable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import moderngl
 import numpy as np
@@ -60,6 +60,17 @@ FACTORS_FORMAT = "3f4 3f4 1f4"
 _UNTEXTURED = -1
 
 
+@dataclass
+class _Eye:
+    """The camera where it is now. Batches refer to it, not to the geometry that holds them."""
+
+    camera: Camera
+
+    def distances(self, places: Floats) -> Floats:
+        """Return the view distances of places in meters."""
+        return self.camera.view_distance(places)
+
+
 class Geometry(Owner):
     """Triangles, materials and textures of a scene on the device.
 
@@ -105,6 +116,7 @@ class Geometry(Owner):
             raise SceneError(f"scene {scene.name}: fragment lists cannot be mixed with objects")
         super().__init__()
         self.scene, self._coincidence = with_separate_corners(scene.seen_from_camera())
+        self._eye = _Eye(self.scene.camera)
         self._camera = bounded_camera(self.scene)
         self.origin = _less_kilometers(scene.in_meters().camera.position)
         self._place, self._unit = scene.camera.position, scene.meters_per_unit
@@ -145,12 +157,12 @@ class Geometry(Owner):
         scene = self.scene
         opaque = [self._vertices(item) for item in scene.opaque]
         transparent = [self._vertices(item) for item in scene.transparent]
-        self.opaque = batch_of(scene.opaque, self._distances, 0)
+        self.opaque = batch_of(scene.opaque, self._eye.distances, 0)
         if scene.lists is not None:
             transparent, self.transparent = _list_batch(scene.lists)
         else:
             base = sum(map(len, opaque))
-            self.transparent = batch_of(scene.transparent, self._distances, base)
+            self.transparent = batch_of(scene.transparent, self._eye.distances, base)
         self.casting = self._part(lambda item: item.casts)
         self.cutouts = self._part(lambda item: item.material.binary_coverage)
         particles = self._part(lambda item: item.particles)
@@ -172,10 +184,6 @@ class Geometry(Owner):
             rows = nearness_of_vertices(scene, self._coincidence)
             self.planes = self.own(self._device.context.buffer(rows.tobytes()))
 
-    def _distances(self, places: Floats) -> Floats:
-        """Return the view distances of places from the camera where it is now."""
-        return self.scene.camera.view_distance(places)
-
     @property
     def movable(self) -> bool:
         """Whether the camera can move: vertices do not depend on it."""
@@ -184,6 +192,7 @@ class Geometry(Owner):
     def move(self, camera: Camera) -> None:
         """Look from another camera, given in the scene's own unit; vertices stay as they are."""
         self.scene = replace(self.scene, camera=camera.relocated(self._place, self._unit))
+        self._eye.camera = self.scene.camera
         self._camera = bounded_camera(self.scene)
         self.transparent_range = transparent_range(self.scene)
 

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import ctypes
+import gc
+import weakref
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import cache
@@ -13,9 +15,13 @@ import pytest
 
 from oitbench.errors import OitbenchError
 from oitbench.gl.device import Device
+from oitbench.gl.frame import Frame
+from oitbench.gl.geometry import Geometry
+from oitbench.gl.uploaded_scene import UploadedScene
 from oitbench.matrix.bench import Bench
 from oitbench.matrix.cell import Cell
 from oitbench.plugins import Collection
+from oitbench.shading import read_shading
 
 KINDS = ("Buffer", "Framebuffer", "Program", "Query", "Sampler", "Shader", "Texture", "VertexArray")
 NAMES = 1024
@@ -132,3 +138,29 @@ def test_no_object_is_left_of_methods_and_scenes_that_fail(bench: Bench) -> None
             # moderngl keeps the program of a failed compilation.
             lost = difference(live_objects(), before).keys() - {"Program", "Shader"}
             assert not lost, cell
+
+
+@pytest.mark.parametrize("victim", VICTIMS)
+def test_a_released_scene_needs_no_collector_of_cycles(victim: tuple[str, str]) -> None:
+    # A cycle would keep the arrays of large scenes until the collector happens to run.
+    collection = Collection.load()
+    label, method = victim
+    (chosen,) = collection.expand_methods([method])
+    scene = collection.build_scene(label)
+    settings = read_shading(SMALL)
+    with Device() as device:
+
+        def draw() -> weakref.ref[Geometry]:
+            effects = scene.effects & chosen.shows
+            with (
+                UploadedScene(device, scene, settings, 16) as uploaded,
+                Frame(uploaded, chosen, (16, 16), effects) as frame,
+            ):
+                frame.render()
+                return weakref.ref(uploaded.geometry)
+
+        gc.disable()
+        try:
+            assert draw()() is None
+        finally:
+            gc.enable()
