@@ -77,9 +77,9 @@ def _figure(context: ReportContext, rows: Sequence[_Row], number: int) -> Figure
         top = _LABEL
         for place, label in enumerate(["exact", *labels]):
             left = plates.MARGIN + place * (width + _GAP)
-            _text(canvas, textwrap.fill(label, max(8, int(14 * width))), left, top - 0.03, 7)
+            plates.write(canvas, textwrap.fill(label, max(8, int(14 * width))), left, top - 0.03, 7)
         for row, (_, tall), height in zip(rows, sizes, heights, strict=True):
-            _text(canvas, row.panel.title, plates.MARGIN, top + _NAME - 0.03, 7.5)
+            plates.write(canvas, row.panel.title, plates.MARGIN, top + _NAME - 0.03, 7.5)
             _draw_row(context, canvas, row, labels, (top + _NAME, width, tall))
             top += height
         caption = (
@@ -110,11 +110,4 @@ def _draw_row(
         below = top + tall + _GAP / 2
         plates.draw_picture(canvas, difference(picture, row.exact, stops), left, below, width)
         for value in plates.error_text(context, row.cells[label], EXACT):
-            _text(canvas, value, left, top - 0.03, 6)
-
-
-def _text(canvas: Canvas, text: str, left: float, bottom: float, size: float) -> None:
-    """Write text above a place in inches from the upper left."""
-    across, tall = canvas.get_size_inches()
-    place = left / across, 1 - bottom / tall
-    canvas.text(*place, text, fontsize=size, verticalalignment="bottom", linespacing=1.1)
+            plates.write(canvas, value, left, top - 0.03, 6)

@@ -132,13 +132,8 @@ def _figure(shown: Sequence[DrawnTarget], path: Path, heading: str) -> Figure:
             top = plates.MARGIN + row * (tile + plates.GAP) + _LABEL
             plates.draw_picture(canvas, picture.srgb, left, top, width)
             lines = textwrap.fill(f"{item.facts.format}; {picture.text}", _TEXT_WIDTH)
-            for text, edge, anchor, size in (
-                (item.facts.name, top - 0.04, "bottom", 8),
-                (lines, top + height + 0.04, "top", 6.5),
-            ):
-                canvas.text(
-                    left / whole, 1 - edge / tall, text, fontsize=size, verticalalignment=anchor
-                )
+            plates.write(canvas, item.facts.name, left, top - 0.04, 8)
+            plates.write(canvas, lines, left, top + height + 0.04, 6.5, below=True)
         caption = (
             "The image, the views that the method declares, and the map of transparent surfaces as"
             " one beam sees them, as it was drawn at random under the published form of shadows."

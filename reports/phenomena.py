@@ -120,13 +120,7 @@ def _pair(context: ReportContext, panel: Panel, cell: Record) -> list[Figure]:
     with figures.canvas(*whole, by_hand=True) as canvas:
         top = plates.MARGIN
         for label, picture in rows:
-            canvas.text(
-                plates.MARGIN / whole[0],
-                1 - (top + _LABEL - 0.07) / whole[1],
-                label,
-                fontsize=10,
-                fontweight="bold",
-            )
+            plates.write(canvas, label, plates.MARGIN, top + _LABEL - 0.07, 10, bold=True)
             shown = plates.display(picture, stops)
             plates.draw_picture(canvas, shown, plates.MARGIN, top + _LABEL, width)
             top += _LABEL + height + plates.MARGIN

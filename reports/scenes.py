@@ -20,7 +20,16 @@ from oitbench.image.files import Image
 from oitbench.report import Artifact, Column, Note, ReportContext, columns, figures, write_table
 from oitbench.report.artifacts import Figure, Row, Value
 from oitbench.report.cells import effect_labels
-from oitbench.report.plates import GAP, MARGIN, display, draw_picture, exposure, first_image, fitted
+from oitbench.report.plates import (
+    GAP,
+    MARGIN,
+    display,
+    draw_picture,
+    exposure,
+    first_image,
+    fitted,
+    write,
+)
 from oitbench.results.records import Panel
 from oitbench.results.schema import Record
 from oitbench.results.statistics import DepthComplexity, SceneStatistics
@@ -152,9 +161,7 @@ def _draw(canvas: Canvas, card: Card, box: tuple[float, float], top: float) -> N
             (start / whole, 1 - (upper + down) / tall, across / whole, down / tall)
         )
 
-    canvas.text(
-        left / whole, 1 - (upper - 0.06) / tall, card.title, fontsize=9.5, fontweight="bold"
-    )
+    write(canvas, card.title, left, upper - 0.06, 9.5, bold=True)
     if card.picture is not None:
         draw_picture(canvas, card.picture, left, upper, width)
     left += width + GAP
@@ -168,14 +175,7 @@ def _draw(canvas: Canvas, card: Card, box: tuple[float, float], top: float) -> N
         # The labels of the axis below and beside the bars need room.
         across, down = _CHART - 0.55, max(height, _LEAST_HEIGHT) - 0.25
         _draw_histogram(axes_at(left + 0.3, across, down), complexity)
-    canvas.text(
-        (left + _CHART) / whole,
-        1 - upper / tall,
-        _text(card),
-        fontsize=7.5,
-        verticalalignment="top",
-        linespacing=1.35,
-    )
+    write(canvas, _text(card), left + _CHART, upper, 7.5, below=True, spacing=1.35)
 
 
 def _scale(worst: int) -> Normalize:

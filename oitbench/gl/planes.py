@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from oitbench.scene import Array, Camera, Floats, Mesh, Scene
+from oitbench.scene import Array, Camera, Floats, Scene
 from oitbench.scene.coincidence import Coincidence, find_coincidence, origin_of_planes
 
 PLANE_FORMAT, PLANE_NAME = "3f4", "in_plane"
@@ -26,20 +26,10 @@ def with_separate_corners(scene: Scene) -> tuple[Scene, Coincidence | None]:
     if found is None:
         return scene, None
     objects = tuple(
-        replace(item, mesh=_separate(item.mesh)) if item.name in found.planes else item
+        replace(item, mesh=item.mesh.with_separate_corners()) if item.name in found.planes else item
         for item in scene.objects
     )
     return replace(scene, objects=objects), found
-
-
-def _separate(mesh: Mesh) -> Mesh:
-    corners = mesh.triangles.ravel()
-    return replace(
-        mesh,
-        positions=mesh.positions[corners],
-        triangles=np.arange(len(corners), dtype=np.uint32).reshape(-1, 3),
-        **{name: values[corners] for name, values in mesh.vertices.items()},
-    )
 
 
 def nearness_of_vertices(scene: Scene, found: Coincidence) -> Array:

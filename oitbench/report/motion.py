@@ -15,7 +15,7 @@ from oitbench.image.files import Image
 from oitbench.image.stored import StoredImage
 from oitbench.motion.metrics import BLOCK
 from oitbench.motion.record import JSON, PER_FRAME, MotionFile, Pop, Track, read
-from oitbench.report import figures, palette
+from oitbench.report import figures, palette, plates
 from oitbench.report.artifacts import Column, Figure, Row, Table, fixed, write_table
 from oitbench.report.palette import Style
 from oitbench.report.plates import GAP, MARGIN, display, draw_picture, magma
@@ -175,16 +175,16 @@ def _strip(footage: Footage, path: Path) -> Figure:
             places = [*lefts[: len(even)], *lefts[-3:-1]]
             for frame, picture, left in zip(frames, pictures, places, strict=True):
                 draw_picture(canvas, picture, left, top, across)
-                _write(canvas, left, top - 0.03, f"{frame}", size=6.5, color=figures.QUIET)
+                plates.write(canvas, f"{frame}", left, top - 0.03, 6.5, color=figures.QUIET)
             changed = footage.change(place, pictures[-2:] if track else ())
             draw_picture(canvas, magma(changed / CHANGE), lefts[-1], top, across)
             change = "change" if track is None else "excess change"
-            _write(canvas, lefts[-1], top - 0.03, change, size=6.5, color=figures.QUIET)
+            plates.write(canvas, change, lefts[-1], top - 0.03, 6.5, color=figures.QUIET)
             pop = track.worst_pop if track else None
             if pop is not None and pop.pops and pop.transition == place:
                 for left in lefts[-3:]:
                     _frame(canvas, left, top, across / found.size[0], pop)
-            _write(canvas, MARGIN, top - 0.155, _heading(found, track), size=8, bold=True)
+            plates.write(canvas, _heading(found, track), MARGIN, top - 0.155, 8, bold=True)
         caption = (
             "Each row: evenly spaced frames, then the two frames between which the method pops, or"
             " changes most in excess of exact compositing, and that change of each pixel, from 0"
@@ -219,28 +219,6 @@ def _heading(found: MotionFile, track: Track | None) -> str:
     if pop is not None and pop.pops:
         parts.append(f"a block jumps by {fixed(pop.popping, 3)}")
     return " · ".join(parts)
-
-
-def _write(
-    canvas: Canvas,
-    left: float,
-    top: float,
-    text: str,
-    *,
-    size: float,
-    color: str = figures.INK,
-    bold: bool = False,
-) -> None:
-    whole, tall = canvas.get_size_inches()
-    canvas.text(
-        left / whole,
-        1 - top / tall,
-        text,
-        fontsize=size,
-        color=color,
-        fontweight="bold" if bold else "normal",
-        verticalalignment="bottom",
-    )
 
 
 def _frame(canvas: Canvas, left: float, top: float, pixel: float, pop: Pop) -> None:

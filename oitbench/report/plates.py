@@ -245,6 +245,46 @@ def draw_picture(canvas: Canvas, image: Image, left: float, top: float, width: f
     axes.imshow(image, interpolation="nearest", aspect="auto")
 
 
+def write(
+    canvas: Canvas,
+    text: str,
+    left: float,
+    edge: float,
+    size: float,
+    *,
+    below: bool = False,
+    bold: bool = False,
+    color: str = figures.INK,
+    spacing: float = 1.15,
+) -> None:
+    """Write text above or below an edge.
+
+    Parameters
+    ----------
+    canvas : Canvas
+    text : str
+    left, edge : float
+        Inches from the upper left corner of the figure.
+    size : float
+        Points.
+    below, bold : bool
+    color : str
+    spacing : float
+        Distance of lines in heights of the font.
+    """
+    whole, tall = canvas.get_size_inches()
+    canvas.text(
+        left / whole,
+        1 - edge / tall,
+        text,
+        fontsize=size,
+        fontweight="bold" if bold else "normal",
+        color=color,
+        verticalalignment="top" if below else "bottom",
+        linespacing=spacing,
+    )
+
+
 def _box(
     canvas: Canvas, left: float, top: float, width: float, height: float
 ) -> tuple[float, float, float, float]:
@@ -266,20 +306,8 @@ def _draw_tile(canvas: Canvas, layout: _Layout, place: int, shown: Shown) -> Non
     if colored is not None:
         # There is no room for the note, which the page shows.
         lines, below = [*tile.values], lower + layout.picture_height
-    texts = (
-        (_heading(tile.label), upper - 0.04, "bottom", 7.5),
-        ("\n".join(lines), below + 0.04, "top", 7),
-    )
-    for text, edge, anchor, size in texts:
-        canvas.text(
-            left / layout.width,
-            1 - edge / layout.height,
-            text,
-            fontsize=size,
-            fontweight="bold" if tile.truth and anchor == "bottom" else "normal",
-            verticalalignment=anchor,
-            linespacing=1.15,
-        )
+    write(canvas, _heading(tile.label), left, upper - 0.04, 7.5, bold=tile.truth)
+    write(canvas, "\n".join(lines), left, below + 0.04, 7, below=True)
 
 
 def _heading(label: str) -> str:

@@ -124,6 +124,16 @@ class Mesh:
         used[self.triangles] = True
         return self.positions if used.all() else self.positions[used]
 
+    def with_separate_corners(self) -> Mesh:
+        """Return the mesh with three vertices of its own for each triangle."""
+        corners = self.triangles.ravel()
+        return replace(
+            self,
+            positions=self.positions[corners],
+            triangles=np.arange(len(corners), dtype=np.uint32).reshape(-1, 3),
+            **{name: values[corners] for name, values in self.vertices.items()},
+        )
+
     def relocated(self, origin: Vector, scale: float) -> Mesh:
         """Return the mesh relative to `origin`, in units that are `scale` times smaller."""
         return replace(self, positions=(self.positions - np.asarray(origin)) * scale)

@@ -20,6 +20,11 @@ Variation varied;
 
 #if defined(ALBEDO_TEXTURES) || defined(TRANSMISSION_TEXTURES) || defined(ROUGHNESS_TEXTURES)
 #define VARIATION_TABLE 1
+
+vec3 textured_factor(vec2 uv, float number) {
+    vec4 texel = filtered_texel(uv, int(max(number, 0.0)));
+    return number < 0.0 ? vec3(1.0) : texel.rgb / max(texel.a, 1e-30);
+}
 #endif
 #if defined(CUTOFF) || defined(CULLED)
 #define VARIATION_TABLE 1
@@ -27,15 +32,6 @@ Variation varied;
 
 #ifdef VARIATION_TABLE
 uniform sampler2D surface_variation;   // two texels a material
-
-vec3 textured_factor(vec2 uv, float number) {
-#ifdef TEXTURED
-    vec4 texel = filtered_texel(uv, int(max(number, 0.0)));
-    return number < 0.0 ? vec3(1.0) : texel.rgb / max(texel.a, 1e-30);
-#else
-    return vec3(1.0);
-#endif
-}
 #endif
 
 // Needs derivatives: call it outside any branch.

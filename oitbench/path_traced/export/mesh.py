@@ -78,18 +78,12 @@ def _with_normals(mesh: Mesh) -> Mesh:
     """Return `mesh`; without normals, its copy with three vertices and a normal for each face."""
     if mesh.normals is not None:
         return mesh
-    corners = mesh.triangles.ravel()
     points = mesh.positions[mesh.triangles]
     normals = np.cross(points[:, 1] - points[:, 0], points[:, 2] - points[:, 0])
     length = np.linalg.norm(normals, axis=1, keepdims=True)
     normals = np.divide(normals, length, out=np.zeros_like(normals), where=length > 0)
-    return replace(
-        mesh,
-        positions=mesh.positions[corners],
-        triangles=np.arange(len(corners), dtype=np.uint32).reshape(-1, 3),
-        **{name: values[corners] for name, values in mesh.vertices.items()},
-        normals=np.repeat(normals, 3, axis=0).astype(np.float32),
-    )
+    separate = mesh.with_separate_corners()
+    return replace(separate, normals=np.repeat(normals, 3, axis=0).astype(np.float32))
 
 
 def _uvs(mesh: Mesh) -> Array:
