@@ -26,11 +26,14 @@ VERBS = (
     "fit",
     "reference",
     "import",
+    "new",
     "report",
     "compare",
     "baseline",
     "doctor",
 )
+_COMPLETE = "_OITBENCH_COMPLETE"
+"""Variable of the environment through which shells ask for completions."""
 _FULL = (errno.ENOSPC, errno.EDQUOT, errno.EIO)
 
 
@@ -78,9 +81,19 @@ class _SignalError(KeyboardInterrupt):
 def main() -> None:
     """Run the command line. An error that a user can fix is one line, with exit code 2."""
     _accept_all_characters()
+    _complete_words()
     with _signals_raised():
         code = _run()
     sys.exit(code)
+
+
+def _complete_words() -> None:
+    """Answer the shell that asks how a line may go on, and end."""
+    from click.shell_completion import shell_complete
+
+    instruction = os.environ.get(_COMPLETE)
+    if instruction is not None:
+        sys.exit(shell_complete(group, {}, "oitbench", _COMPLETE, instruction))
 
 
 def _run() -> int:
@@ -111,9 +124,16 @@ def _run() -> int:
         return _complain(f"the output cannot be written ({error.strerror}); free some space")
     except (KeyboardInterrupt, click.exceptions.Abort) as error:
         number = error.args[0] if isinstance(error, _SignalError) else signal.SIGINT
-        advice = "stopped; finished cells are kept, run again to resume"
-        return _complain(advice, 128 + number)
+        return _complain(_stopped(), 128 + number)
     return 0
+
+
+def _stopped() -> str:
+    """Return what the end of a command by a signal costs."""
+    verb = next((argument for argument in sys.argv[1:] if argument in VERBS), "")
+    if verb == "run":
+        return "run was stopped; finished cells are kept, run again to resume"
+    return f"{verb} was stopped" if verb else "stopped"
 
 
 def _complain(message: str, code: int = 2) -> int:

@@ -7,6 +7,7 @@ from pathlib import Path
 import click
 
 DEFAULT = Path("baseline.json")
+_baseline = click.argument("baseline", type=click.Path(path_type=Path), default=DEFAULT)
 
 
 @click.group()
@@ -16,34 +17,24 @@ def command() -> None:
 
 @command.command()
 @click.argument("results", type=click.Path(path_type=Path))
-@click.option(
-    "-o",
-    "--out",
-    type=click.Path(dir_okay=False, path_type=Path),
-    default=DEFAULT,
-    show_default=True,
-    help="File of the baseline.",
-)
-def save(results: Path, out: Path) -> None:
-    """Write the baseline of RESULTS: a small file to commit, without times and paths."""
+@_baseline
+def save(results: Path, baseline: Path) -> None:
+    """Write the baseline of RESULTS: a small file to commit, without times and paths.
+
+    The default of BASELINE is baseline.json.
+    """
     from oitbench.results.baseline import save as save_baseline
 
-    rows = save_baseline(results, out).rows
-    click.echo(f"{out}: {len(rows)} cells")
+    rows = save_baseline(results, baseline).rows
+    click.echo(f"{baseline}: {len(rows)} cells")
 
 
 @command.command()
 @click.argument("results", type=click.Path(path_type=Path))
-@click.option(
-    "--baseline",
-    type=click.Path(path_type=Path),
-    default=DEFAULT,
-    show_default=True,
-    help="The baseline file.",
-)
+@_baseline
 @click.option("--json", "as_json", is_flag=True, help="Print the comparison as JSON.")
 def check(results: Path, baseline: Path, as_json: bool) -> None:
-    """Compare RESULTS with a baseline; exit with 1 on a regression."""
+    """Compare RESULTS with BASELINE, by default baseline.json; exit with 1 on a regression."""
     from oitbench.cli.compare import show
     from oitbench.results.comparison import compare
 

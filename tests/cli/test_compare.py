@@ -27,7 +27,7 @@ def test_a_baseline_is_saved_and_checked_under_its_default_name(
     assert (answer.code, answer.out) == (0, "2 cells compared, 0 regressions, 0 improvements\n")
     assert call("compare", before, "baseline.json").code == 0
     write_changed(before, exact(metrics.RMSE, 0.06))
-    answer = call("baseline", "check", "now", "--baseline", "baseline.json")
+    answer = call("baseline", "check", "now", "baseline.json")
     assert answer.code == 1
     (line,) = [line for line in answer.out.splitlines() if metrics.RMSE in line]
     assert line.split() == ["worse", *ALPHA.split(), f"exact.{metrics.RMSE}", "0.05", "0.06"]
@@ -93,10 +93,10 @@ def test_paths_that_cannot_be_used_are_refused(call: Call, before: Path) -> None
         (("compare", empty, before), "holds no cells.jsonl"),
         (("baseline", "save", empty), "holds no cells.jsonl"),
         (
-            ("baseline", "save", before, "-o", before / "cells.jsonl" / "b.json"),
+            ("baseline", "save", before, before / "cells.jsonl" / "b.json"),
             "cannot be written",
         ),
-        (("baseline", "check", before, "--baseline", empty / "b.json"), "cannot be read"),
+        (("baseline", "check", before, empty / "b.json"), "cannot be read"),
         (("baseline", "sav", before), "sav"),
     ):
         call(*arguments).assert_refused(message)

@@ -84,7 +84,7 @@ def test_a_damaged_baseline_is_one_line(
 ) -> None:
     file = tmp_path / "baseline.json"
     file.write_bytes(text)
-    answer = call("baseline", "check", results[1], "--baseline", file)
+    answer = call("baseline", "check", results[1], file)
     answer.assert_refused("baseline.json is no baseline")
 
 

@@ -69,7 +69,7 @@ def test_a_stopped_run_ends_at_once_and_keeps_finished_cells(
     finally:
         process.kill()
     assert process.returncode == 128 + number
-    assert "run again to resume" in printed
+    assert "run was stopped; finished cells are kept, run again to resume" in printed
     assert "Traceback" not in printed
     assert_gone(workers)
     assert [record.scene for record in read_cells(tmp_path / CELLS).values()] == ["calm"]
