@@ -6,6 +6,7 @@ from typing import Literal
 
 from msgspec import Struct
 
+from oitbench.method.demands import Demands
 from oitbench.parameters import AnyParameter
 
 Kind = Literal["method", "scene", "report"]
@@ -43,6 +44,13 @@ class Axes(Struct, frozen=True, tag=True):
     methods: list[str]
     scene_path: bytes
     method_paths: dict[str, bytes]
+
+
+class Demand(Struct, frozen=True, tag=True):
+    """Asks what a method demands; `label` selects it, and `path` is its file."""
+
+    label: str
+    path: bytes
 
 
 class Inspect(Struct, frozen=True, tag=True):
@@ -93,6 +101,12 @@ class AxesFound(Struct, frozen=True, tag=True):
     axes: list[list[str]]
 
 
+class DemandsFound(Struct, frozen=True, tag=True):
+    """What a method demands in a scene that requests all effects that it shows."""
+
+    demands: Demands
+
+
 class Inspected(Struct, frozen=True, tag=True):
     """The file can be imported.
 
@@ -108,5 +122,5 @@ class Inspected(Struct, frozen=True, tag=True):
     files: dict[str, bytes]
 
 
-Request = Resolve | Describe | Axes | Inspect
-Reply = Resolved | Entry | AxesFound | Inspected
+Request = Resolve | Describe | Axes | Demand | Inspect
+Reply = Resolved | Entry | AxesFound | DemandsFound | Inspected

@@ -11,6 +11,8 @@ from typing import Any
 
 from oitbench.catalog.messages import (
     AxesFound,
+    Demand,
+    DemandsFound,
     Describe,
     Entry,
     Inspect,
@@ -24,6 +26,7 @@ from oitbench.catalog.messages import (
 from oitbench.effects import names
 from oitbench.errors import DeclarationError, OitbenchError, locate
 from oitbench.method.ablation import effects_axis
+from oitbench.method.demands import default_demands
 from oitbench.places import Places
 from oitbench.plugins import Collection, installed_folder
 from oitbench.workers.serve import OnStep, serve
@@ -42,6 +45,8 @@ def _begin(settings: Nothing, on_step: OnStep) -> Callable[[Request], Reply]:
             return _describe(collection, request)
         if isinstance(request, Inspect):
             return _inspect(collection, request)
+        if isinstance(request, Demand):
+            return _demands(collection, request)
         for name, path in request.method_paths.items():
             collection.places.methods.add(name, _path(path))
         collection.places.scenes.add(request.scene.partition("[")[0], _path(request.scene_path))
@@ -77,6 +82,12 @@ def _inspect(collection: Collection, request: Inspect) -> Inspected:
     imported = read_scene(path, **values)
     files = {name: os.fsencode(file) for name, file in imported.files.items()}
     return Inspected(list(imported.notes), files)
+
+
+def _demands(collection: Collection, request: Demand) -> DemandsFound:
+    collection.places.methods.add(request.label.partition("[")[0], _path(request.path))
+    (method,) = collection.expand_methods([request.label])
+    return DemandsFound(default_demands(method))
 
 
 def _method(collection: Collection, name: str, path: Path) -> Entry:

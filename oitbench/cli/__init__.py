@@ -27,6 +27,7 @@ VERBS = (
     "reference",
     "import",
     "report",
+    "choose",
     "compare",
     "baseline",
     "doctor",
