@@ -106,10 +106,12 @@ class Choice:
     def misfits(self) -> dict[str, dict[str, list[str]]]:
         """Return the titles of scenes by reason, for each method that does not fit in all."""
         found: dict[str, dict[str, list[str]]] = {}
+        methods = [item.cell.method for scene in self.scenes for item in scene.candidates]
         for scene in self.scenes:
-            for item in scene.candidates:
-                for reason in item.reasons:
-                    reasons = found.setdefault(item.cell.method, {})
+            known = {item.cell.method: item.reasons for item in scene.candidates}
+            for method in dict.fromkeys(methods):
+                for reason in known.get(method, ("was not run",)):
+                    reasons = found.setdefault(method, {})
                     reasons.setdefault(reason, []).append(scene.title)
         return found
 

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import asdict
 from typing import Any
 
 from oitbench.choosing.choice import Candidate, Choice, SceneChoice
 from oitbench.method import demand_table
+from oitbench.results.times import SIGN
 from oitbench.truths import EXACT, TRUTHS
 
 HEADINGS = ("scene", "ranked by", "method", "FLIP", "loss", "FLIP to exact", "method time")
 MEAN_HEADINGS = ("method", "mean FLIP", "mean loss", "largest loss")
+TIE = "≈"
+"""Sign of a time whose interval holds the limit."""
 _NONE = "–"
 
 
@@ -46,14 +49,25 @@ def scene_rows(choice: Choice) -> Iterator[tuple[str, ...]]:
 def misfit_rows(choice: Choice) -> Iterator[tuple[str, str]]:
     """Yield the methods that do not fit, with reasons, and the scenes of reasons of only some."""
     for method, reasons in choice.misfits().items():
-        count = sum(
-            item.cell.method == method for scene in choice.scenes for item in scene.candidates
-        )
         texts = [
-            reason if len(scenes) == count else f"{reason} ({', '.join(scenes)})"
+            reason if len(scenes) == len(choice.scenes) else f"{reason} ({', '.join(scenes)})"
             for reason, scenes in reasons.items()
         ]
         yield method, "; ".join(texts)
+
+
+def legend(rows: Iterable[tuple[str, ...]]) -> list[str]:
+    """Return what the signs of the times in rows of `scene_rows` mean, one line each."""
+    times = [row[-1] for row in rows]
+    meaning = {
+        SIGN: "disturbed by other processes",
+        TIE: "does not clearly differ from the limit of time",
+    }
+    return [
+        f"{sign} {text}"
+        for sign, text in meaning.items()
+        if any(time.endswith(sign) for time in times)
+    ]
 
 
 def unscored(choice: Choice) -> list[str]:
@@ -124,9 +138,9 @@ def _error(value: float | None) -> str:
 
 
 def _time(choice: Choice, item: Candidate) -> str:
-    """Return the median; † marks a disturbed one, ≈ one that does not clearly keep the limit."""
+    """Return the median, with a sign where it has a reservation; see `legend`."""
     time = item.cell.time
     if time is None:
         return _NONE
-    sign = " †" if time.block.disturbed else " ≈" if choice.constraints.ties(time) else ""
-    return f"{time.method_ms.median:.3g} ms{sign}"
+    sign = SIGN if time.block.disturbed else TIE if choice.constraints.ties(time) else ""
+    return f"{time.method_ms.median:.3g} ms {sign}".rstrip()

@@ -123,7 +123,7 @@ def _print(choice: Choice) -> None:
     if rows:
         click.echo("\nMethods that fit (*: lowest FLIP, with ties; loss: to the best of all)")
         print_table(facts.HEADINGS, rows)
-    for line in facts.unscored(choice):
+    for line in (*facts.legend(rows), *facts.unscored(choice)):
         click.echo(line)
     if choice.means and len(choice.scenes) > 1:
         click.echo("Methods that fit in all scenes, by mean FLIP")

@@ -11,10 +11,11 @@ from oitbench.method.demands import CLASSES, Demands
 
 
 class Fact(NamedTuple):
-    """One column: its key, heading and meaning, and the value that it shows."""
+    """One column: its key, heading, kind, "number" or "text", and meaning, and its value."""
 
     key: str
     heading: str
+    kind: str
     help: str
     value: Callable[[Demands], int | str]
 
@@ -36,19 +37,23 @@ def _yes(value: bool) -> str:
 
 
 FACTS = (
-    Fact("class", "capability class", "the first class that offers everything that is demanded",
+    Fact("class", "capability class", "text", "the first class that offers all that is demanded",
          lambda found: CLASSES[found.capability_class]),
-    Fact("geometry_passes", "geometry passes", "draws of the same geometry in a frame", _passes),
-    Fact("targets", "targets", "color targets of one pass, at most", lambda found: found.targets),
-    Fact("dual_source", "dual source", "a pass blends two colors of one shader",
+    Fact("geometry_passes", "geometry passes", "number", "draws of the same geometry in a frame",
+         _passes),
+    Fact("targets", "targets", "number", "color targets of one pass, at most",
+         lambda found: found.targets),
+    Fact("dual_source", "dual source", "text", "a pass blends two colors of one shader",
          lambda found: _yes(found.dual_source)),
-    Fact("programmable", "shader blends", "by framebuffer fetch or interlock",
+    Fact("programmable", "shader blends", "text", "by framebuffer fetch or interlock",
          lambda found: _yes(found.programmable)),
-    Fact("buffers", "buffers with atomics", "unbounded: memory grows with the fragments", _buffers),
-    Fact("tile_bits", "bits of tile memory", "at a pixel, with all samples, in one pass",
+    Fact("buffers", "buffers with atomics", "text", "unbounded: one grows with the fragments",
+         _buffers),
+    Fact("tile_bits", "bits of tile memory", "number", "at a pixel, with all samples, in one pass",
          lambda found: found.tile_bits),
-    Fact("fragment_bits", "bits per fragment", "read and written for a fragment", _fragment_bits),
-    Fact("msaa", "samples per pixel", "numbers that the method offers",
+    Fact("fragment_bits", "bits per fragment", "number", "read and written for a fragment",
+         _fragment_bits),
+    Fact("msaa", "samples per pixel", "text", "numbers that the method offers",
          lambda found: ", ".join(map(str, found.offered))),
 )  # fmt: skip
 """The columns in their order."""

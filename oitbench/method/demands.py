@@ -71,7 +71,7 @@ class Demands(Struct, frozen=True, forbid_unknown_fields=True):
     tile_bits: int
     fragment_bits: int
     samples: int
-    offered: list[int]
+    offered: tuple[int, ...]
 
     @property
     def capability_class(self) -> str:
@@ -90,7 +90,7 @@ class Demands(Struct, frozen=True, forbid_unknown_fields=True):
         return not self.unbounded and self.geometry_passes is not None
 
 
-NOTHING = Demands(0, 0, False, False, False, False, 0, 0, 1, [1])
+NOTHING = Demands(0, 0, False, False, False, False, 0, 0, 1, (1,))
 """The demands of an empty plan."""
 
 
@@ -127,7 +127,7 @@ def demands_of(method: Method, plan: Plan) -> Demands:
         tile_bits=_tile_bits(plan, method.sample_count),
         fragment_bits=_fragment_bits(plan, method.sample_count),
         samples=method.sample_count,
-        offered=sorted(map(int, offered)) or [method.sample_count],
+        offered=tuple(sorted(map(int, offered))) or (method.sample_count,),
     )
 
 

@@ -71,16 +71,18 @@ def test_demands_equal_those_derived_by_hand(label: str) -> None:
 @pytest.mark.parametrize(
     ("label", "samples", "offered", "fixed"),
     [
-        ("weighted_sum", 1, [1], True),
-        ("weighted_blended", 1, [1, 4], True),
-        ("weighted_blended[msaa=4]", 4, [1, 4], True),
-        ("alpha_to_coverage", 4, [4, 8], True),
-        ("a_buffer", 1, [1, 4], False),
-        ("depth_peeling", 1, [1], False),
-        ("depth_peeling[layers=3]", 1, [1], True),
+        ("weighted_sum", 1, (1,), True),
+        ("weighted_blended", 1, (1, 4), True),
+        ("weighted_blended[msaa=4]", 4, (1, 4), True),
+        ("alpha_to_coverage", 4, (4, 8), True),
+        ("a_buffer", 1, (1, 4), False),
+        ("depth_peeling", 1, (1,), False),
+        ("depth_peeling[layers=3]", 1, (1,), True),
     ],
 )
-def test_samples_and_growth(label: str, samples: int, offered: list[int], fixed: bool) -> None:
+def test_samples_and_growth(
+    label: str, samples: int, offered: tuple[int, ...], fixed: bool
+) -> None:
     found = default_demands(method(label))
     assert (found.samples, found.offered, found.has_fixed_cost) == (samples, offered, fixed)
 
