@@ -47,18 +47,27 @@ class Constraints:
     milliseconds: float | None = None
 
     def __str__(self) -> str:
-        stated = (
-            (self.capability_class, f"class {CLASSES.get(self.capability_class or '')}"),
-            (self.bits, f"at most {self.bits} bits of tile memory"),
-            (self.passes, f"at most {_count(self.passes or 0, 'geometry pass', 'es')}"),
-            (self.targets, f"at most {_count(self.targets or 0, 'target')}"),
-            (not self.dual_source or None, f"no {CLASSES[DUAL_SOURCE]}"),
-            (not self.interlock or None, f"no {CLASSES[INTERLOCK]}"),
-            (not self.atomics or None, f"no {_ATOMICS}"),
-            (self.msaa, f"{_count(self.msaa or 0, 'sample')} per pixel"),
-            (self.milliseconds, f"method time up to {self.milliseconds} ms"),
-        )
-        return ", ".join(text for value, text in stated if value is not None) or "no constraint"
+        return ", ".join(self._stated()) or "no constraint"
+
+    def _stated(self) -> Iterator[str]:
+        if self.capability_class is not None:
+            yield f"class {CLASSES[self.capability_class]}"
+        if self.bits is not None:
+            yield f"at most {self.bits} bits of tile memory"
+        if self.passes is not None:
+            yield f"at most {_count(self.passes, 'geometry pass', 'es')}"
+        if self.targets is not None:
+            yield f"at most {_count(self.targets, 'target')} in a pass"
+        if not self.dual_source:
+            yield f"no {CLASSES[DUAL_SOURCE]}"
+        if not self.interlock:
+            yield f"no {CLASSES[INTERLOCK]}"
+        if not self.atomics:
+            yield f"no {_ATOMICS}"
+        if self.msaa is not None:
+            yield f"{_count(self.msaa, 'sample')} per pixel"
+        if self.milliseconds is not None:
+            yield f"method time up to {self.milliseconds:g} ms"
 
     def unmet(self, cell: Record) -> list[str]:
         """Return why a cell does not fit; nothing if it does.
@@ -107,8 +116,10 @@ class Constraints:
 
     def ties(self, time: Time | None) -> bool:
         """Return whether the time limit lies inside the interval of a time: it may be exceeded."""
-        ends = time.method_ms.ends if time is not None and self.milliseconds is not None else None
-        return ends is not None and ends[0] <= (self.milliseconds or 0) < ends[1]
+        if time is None or time.method_ms.ends is None or self.milliseconds is None:
+            return False
+        low, high = time.method_ms.ends
+        return low <= self.milliseconds < high
 
 
 def _samples(found: Demands, wanted: int) -> str:

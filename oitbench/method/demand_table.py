@@ -21,7 +21,7 @@ class Fact(NamedTuple):
 
 
 def _passes(found: Demands) -> int | str:
-    return "grows with layers" if found.geometry_passes is None else found.geometry_passes
+    return "grow with layers" if found.geometry_passes is None else found.geometry_passes
 
 
 def _buffers(found: Demands) -> str:
