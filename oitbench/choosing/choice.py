@@ -10,7 +10,7 @@ from oitbench.choosing.constraints import Constraints
 from oitbench.errors import UsageError, unknown
 from oitbench.image import metrics
 from oitbench.image.ties import Errors, clear_difference, clear_mean_difference
-from oitbench.results.ranking import ranking
+from oitbench.results.ranking import Ranking, ranking
 from oitbench.results.records import Panel, Results
 from oitbench.results.schema import CellKey, Record
 
@@ -189,9 +189,9 @@ def _select(panels: Sequence[Panel], scenes: Sequence[str]) -> list[Panel]:
         return list(panels)
     known: dict[str, list[Panel]] = {}
     for panel in panels:
-        label = panel.scene
-        # A bare name stands for all parameters and views.
-        for name in {label, label.partition("@")[0], label.partition("@")[0].partition("[")[0]}:
+        cell = panel.cells[0]
+        # A label without its view stands for all views, and a bare name for all parameters, too.
+        for name in {cell.seen, cell.scene, cell.scene.partition("[")[0]}:
             known.setdefault(name, []).append(panel)
     for name in scenes:
         if name not in known:
@@ -211,12 +211,7 @@ def _scene_choice(panel: Panel, constraints: Constraints) -> SceneChoice:
     order = {method: place for place, method in enumerate(ranked.errors)}
     items.sort(key=lambda item: order.get(item.cell.method, len(order)))
     fitting = {item.cell.method: item.errors for item in items if item.fits and item.errors}
-    lowest = next(iter(fitting.values()), None)
-    chosen = [
-        method
-        for method, errors in fitting.items()
-        if lowest is not None and clear_difference(errors, lowest) == 0
-    ]
+    chosen = Ranking(panel.truth, fitting, None).best
     return SceneChoice(panel.title, panel.truth, tuple(items), tuple(ranked.best), tuple(chosen))
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import asdict
 from typing import Any
 
@@ -54,6 +54,16 @@ def misfit_rows(choice: Choice) -> Iterator[tuple[str, str]]:
             for reason, scenes in reasons.items()
         ]
         yield method, "; ".join(texts)
+
+
+def aligned(rows: Sequence[Sequence[str]]) -> str:
+    """Return rows as text in columns; hundreds of rows would take rich a second."""
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    padded = (
+        "  ".join(text.ljust(width) for text, width in zip(row, widths, strict=True))
+        for row in rows
+    )
+    return "\n".join(f"  {line}".rstrip() for line in padded)
 
 
 def legend(rows: Iterable[tuple[str, ...]]) -> list[str]:

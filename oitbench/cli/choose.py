@@ -114,7 +114,6 @@ def command(
 
 def _print(choice: Choice) -> None:
     from oitbench.choosing import facts
-    from oitbench.cli.tables import print_table
 
     click.echo(f"{choice.renderer}: {choice.constraints}")
     if choice.constraints.milliseconds is not None and choice.software:
@@ -122,17 +121,17 @@ def _print(choice: Choice) -> None:
     rows = list(facts.scene_rows(choice))
     if rows:
         click.echo("\nMethods that fit (*: lowest FLIP, with ties; loss: to the best of all)")
-        print_table(facts.HEADINGS, rows)
+        click.echo(facts.aligned([facts.HEADINGS, *rows]))
     for line in (*facts.legend(rows), *facts.unscored(choice)):
         click.echo(line)
     if choice.means and len(choice.scenes) > 1:
-        click.echo("Methods that fit in all scenes, by mean FLIP")
-        print_table(facts.MEAN_HEADINGS, facts.mean_rows(choice))
+        click.echo("\nMethods that fit in all scenes, by mean FLIP")
+        click.echo(facts.aligned([facts.MEAN_HEADINGS, *facts.mean_rows(choice)]))
     misfits = list(facts.misfit_rows(choice))
     if misfits:
-        click.echo("Methods that do not fit, and why")
-        print_table(("method", "why"), misfits)
-    click.echo(_verdict(choice))
+        click.echo("\nMethods that do not fit, and why")
+        click.echo(facts.aligned(misfits))
+    click.echo(f"\n{_verdict(choice)}")
 
 
 def _verdict(choice: Choice) -> str:

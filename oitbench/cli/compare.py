@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING
 
 import click
 
-from oitbench.cli.tables import print_table
-
 if TYPE_CHECKING:
     from oitbench.results.comparison import Comparison
+
+_WIDE = 200
 
 
 @click.command()
@@ -43,9 +43,17 @@ def show(comparison: Comparison, as_json: bool = False) -> None:
 
 
 def _print_table(comparison: Comparison) -> None:
-    rows, styles = [], []
+    from rich import box
+    from rich.console import Console
+    from rich.table import Table
+
+    table = Table(box=box.SIMPLE)
+    for title in ("verdict", "cell", "field", "baseline", "now"):
+        table.add_column(title, overflow="fold")
     for item in comparison.differences:
+        style = "red" if item.regression else "green" if item.verdict == "better" else None
         values = ("" if value is None else str(value) for value in (item.before, item.now))
-        rows.append((item.verdict, item.cell, item.field, *values))
-        styles.append("red" if item.regression else "green" if item.verdict == "better" else None)
-    print_table(("verdict", "cell", "field", "baseline", "now"), rows, styles)
+        table.add_row(item.verdict, item.cell, item.field, *values, style=style)
+    # Keep whole labels in files and pipes.
+    width = None if sys.stdout.isatty() else _WIDE
+    Console(width=width, markup=False, highlight=False).print(table)

@@ -10,13 +10,14 @@ from typing import TYPE_CHECKING
 import click
 
 from oitbench.cli import options
-from oitbench.cli.tables import print_table
 from oitbench.matrix.plan import CELL_SECONDS
 from oitbench.truths import TRUTHS
 from oitbench.views import MAIN
 
 if TYPE_CHECKING:
     from oitbench.matrix.run import Summary
+
+_WIDE = 200
 
 
 @click.command()
@@ -143,10 +144,24 @@ def _print_end(out: Path, summary: Summary) -> None:
     if summary.warning:
         click.echo(f"disturbed: {summary.warning}", err=True)
     if summary.troubled:
-        rows = [(r.status, r.seen, r.method, r.effects, r.reason) for r in summary.troubled]
-        print_table(("status", "scene", "method", "effects", "reason"), rows)
+        _print_table(summary)
     click.echo(f"{out}: {summary}")
     if any(not record.finished for record in summary.troubled):
         again = [argument for argument in sys.argv[1:] if argument != "--force"]
         click.echo(f"failed cells again: {shlex.join(['oitbench', *again])}")
     click.echo(f"next: {shlex.join(['oitbench', 'report', str(out)])}")
+
+
+def _print_table(summary: Summary) -> None:
+    from rich import box
+    from rich.console import Console
+    from rich.table import Table
+
+    table = Table(box=box.SIMPLE)
+    for title in ("status", "scene", "method", "effects", "reason"):
+        table.add_column(title, overflow="fold")
+    for record in summary.troubled:
+        table.add_row(record.status, record.seen, record.method, record.effects, record.reason)
+    # Keep whole labels in files and pipes.
+    width = None if sys.stdout.isatty() else _WIDE
+    Console(width=width, markup=False, highlight=False).print(table)
