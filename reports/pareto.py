@@ -36,7 +36,7 @@ from oitbench.report import (
     write_table,
 )
 from oitbench.report.artifacts import Row
-from oitbench.report.ranking import ranking, truth_label
+from oitbench.results.ranking import ranking, truth_label
 from oitbench.results.records import Panel
 from oitbench.results.table import flat_times
 from oitbench.results.times import Interval, Time

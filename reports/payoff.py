@@ -14,7 +14,7 @@ from oitbench.image.ties import Errors, clear_difference
 from oitbench.report import Artifact, Column, Note, ReportContext, columns, fixed, write_table
 from oitbench.report.artifacts import Row
 from oitbench.report.cells import effect_labels
-from oitbench.report.ranking import ranking
+from oitbench.results.ranking import ranking
 from oitbench.results.records import Panel
 from oitbench.results.schema import Record
 

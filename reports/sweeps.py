@@ -27,7 +27,7 @@ from oitbench.report import (
     write_table,
 )
 from oitbench.report.artifacts import Row
-from oitbench.report.cells import largest_noise_floor
+from oitbench.results.ranking import largest_noise_floor
 from oitbench.results.schema import Record
 from oitbench.shading import PARAMETERS as SHADING
 from oitbench.truths import MATCHED, TRUTHS

@@ -15,7 +15,7 @@ from oitbench.image import metrics
 from oitbench.report import Artifact, Column, ReportContext, columns, times, write_table
 from oitbench.report.artifacts import Row
 from oitbench.report.cells import effect_labels
-from oitbench.report.ranking import EXPLANATION, ranking
+from oitbench.results.ranking import EXPLANATION, ranking
 from oitbench.results.records import Panel
 from oitbench.results.schema import Record
 from oitbench.results.table import flat

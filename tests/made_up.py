@@ -10,6 +10,7 @@ import msgspec
 
 from oitbench.image import metrics
 from oitbench.image.stored import StoredImage
+from oitbench.method.demands import NOTHING
 from oitbench.results.schema import (
     EffectNames,
     Fingerprints,
@@ -65,6 +66,7 @@ def outcome_of(scores: dict[str, Scores], images: dict[str, StoredImage]) -> Out
         scores=scores,
         images=images,
         exposure=0.0,
+        demands=NOTHING,
     )
 
 

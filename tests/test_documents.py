@@ -15,12 +15,15 @@ import pytest
 
 from oitbench.cli import VERBS
 from oitbench.gl.device import Device
+from oitbench.method import demand_table
+from oitbench.method.demands import default_demands
 from oitbench.method.promises import PROMISES
 from oitbench.places import own_folder
 from oitbench.report import markdown
 from oitbench.results.records import Results
 from oitbench.stability import overview
 from oitbench.truths import TRUTHS
+from tests.helpers import collection
 from tests.report.made_up import FACTS, finished
 
 ROOT = own_folder()
@@ -150,6 +153,11 @@ def test_the_table_of_methods_equals_that_of_the_command(
     else:  # numbers differ on other machines
         assert [row[0] for row in found[1:]] == [row[0] for row in expected[1:]]
         assert found[0] == expected[0]
+
+
+def test_the_table_of_classes_equals_what_methods_declare() -> None:
+    found = {name: default_demands(kind()) for name, kind in collection().methods.items()}
+    assert table("README.md", "classes") == rows_of(demand_table.table(found))
 
 
 @pytest.mark.parametrize(

@@ -33,8 +33,6 @@ import math
 import oitbench as oit
 from oitbench.method.kits.linked_lists import CAPTURE, LISTS, RECORD_STEPS, linked_lists
 
-_ROUNDS = 1 << 16
-
 
 class ABuffer(oit.Method):
     node = oit.Parameter(
@@ -80,7 +78,7 @@ class ABuffer(oit.Method):
         )
         steps: tuple[oit.Step, ...] = (CAPTURE, resolve)
         if self.resolve == "iterative":
-            steps = (CAPTURE, oit.Loop((resolve,), times=_ROUNDS, until_empty=resolve.name))
+            steps = (CAPTURE, oit.Loop((resolve,), until_empty=resolve.name))
         elif self.msaa > 1:
             # The samples of a pixel share its list, so only one of them may sort it.
             steps = (CAPTURE, oit.Resolve("sort_long.glsl", buffers=LISTS), resolve)

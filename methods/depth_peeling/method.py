@@ -19,8 +19,6 @@ plus one.
 
 import oitbench as oit
 
-_ALL = 1 << 16
-
 
 class DepthPeeling(oit.Method):
     quick = False
@@ -51,7 +49,7 @@ class DepthPeeling(oit.Method):
         )
         loop = oit.Loop(
             (peel, add, attenuate),
-            times=self.layers or _ALL,
+            times=self.layers or None,
             until_empty=peel.name,
             swaps=(("depth", "peeled"),),
         )

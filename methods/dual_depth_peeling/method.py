@@ -28,8 +28,6 @@ the depth complexity.
 
 import oitbench as oit
 
-_ALL = 1 << 17
-
 
 class DualDepthPeeling(oit.Method):
     quick = False
@@ -61,7 +59,7 @@ class DualDepthPeeling(oit.Method):
         )
         loop = oit.Loop(
             (peel,),
-            times=-(-self.layers // 2) or _ALL,
+            times=-(-self.layers // 2) or None,
             until_empty=peel.name,
             swaps=(("bounds", "edges"),),
         )

@@ -18,7 +18,6 @@ import oitbench as oit
 
 class SortedOver(oit.Method):
     expresses = oit.Effect.COVERAGE | oit.Effect.COLORED_TRANSMISSION
-    requires = ("dual_source",)
     sort = oit.Parameter(
         "triangle",
         choices=("object", "triangle"),

@@ -14,6 +14,8 @@ from oitbench import parameters as selectors
 from oitbench.catalog.messages import (
     Axes,
     AxesFound,
+    Demand,
+    DemandsFound,
     Describe,
     Entry,
     Inspect,
@@ -24,7 +26,8 @@ from oitbench.catalog.messages import (
     Resolve,
     Resolved,
 )
-from oitbench.errors import OitbenchError, SceneError
+from oitbench.errors import DeclarationError, OitbenchError, SceneError
+from oitbench.method.demands import Demands
 from oitbench.parameters import Selector
 from oitbench.places import GROUP, IMPORTED, Names, Places, own_folder
 from oitbench.workers import memory
@@ -242,6 +245,19 @@ class Catalog:
         for values in selectors.expand(parsed, entry.parameters):
             label = selectors.label(entry.name, values, entry.parameters)
             yield Choice(label, entry.name)
+
+    def demands(self, method: Choice) -> Demands:
+        """Return what a method demands in a scene that requests all effects that it shows.
+
+        Raises
+        ------
+        OitbenchError
+            The method cannot be loaded, or its plan is wrong.
+        """
+        if method.error:
+            raise DeclarationError(method.error)
+        request = Demand(method.label, os.fsencode(self.path("method", method.name)))
+        return self._worker.ask(request, DemandsFound, self._load_seconds, retry=True).demands
 
     def effects_axes(
         self, scene: Choice, methods: Sequence[Choice], timeout: float | None

@@ -7,6 +7,7 @@ from typing import Literal
 
 from msgspec import Struct
 
+from oitbench.method.demands import Demands
 from oitbench.parameters import AnyParameter
 
 Kind = Literal["method", "scene", "report"]
@@ -44,6 +45,13 @@ class Axes(Struct, frozen=True, tag=True):
     methods: list[str]
     scene_path: Path
     method_paths: dict[str, Path]
+
+
+class Demand(Struct, frozen=True, tag=True):
+    """Asks what a method demands; `label` selects it, and `path` is its file."""
+
+    label: str
+    path: bytes
 
 
 class Inspect(Struct, frozen=True, tag=True):
@@ -94,6 +102,12 @@ class AxesFound(Struct, frozen=True, tag=True):
     axes: list[list[str]]
 
 
+class DemandsFound(Struct, frozen=True, tag=True):
+    """What a method demands in a scene that requests all effects that it shows."""
+
+    demands: Demands
+
+
 class Inspected(Struct, frozen=True, tag=True):
     """The file can be imported.
 
@@ -109,5 +123,5 @@ class Inspected(Struct, frozen=True, tag=True):
     files: dict[str, Path]
 
 
-Request = Resolve | Describe | Axes | Inspect
-Reply = Resolved | Entry | AxesFound | Inspected
+Request = Resolve | Describe | Axes | Demand | Inspect
+Reply = Resolved | Entry | AxesFound | DemandsFound | Inspected

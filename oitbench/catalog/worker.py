@@ -10,6 +10,8 @@ from typing import Any
 
 from oitbench.catalog.messages import (
     AxesFound,
+    Demand,
+    DemandsFound,
     Describe,
     Entry,
     Inspect,
@@ -23,6 +25,7 @@ from oitbench.catalog.messages import (
 from oitbench.effects import names
 from oitbench.errors import DeclarationError, OitbenchError, locate
 from oitbench.method.ablation import effects_axis
+from oitbench.method.demands import default_demands
 from oitbench.places import Places
 from oitbench.plugins import Collection, installed_folder
 from oitbench.workers.serve import OnStep, serve
@@ -41,6 +44,8 @@ def _begin(settings: Nothing, on_step: OnStep) -> Callable[[Request], Reply]:
             return _describe(collection, request)
         if isinstance(request, Inspect):
             return _inspect(collection, request)
+        if isinstance(request, Demand):
+            return _demands(collection, request)
         for name, path in request.method_paths.items():
             collection.places.methods.add(name, path)
         collection.places.scenes.add(request.scene.partition("[")[0], request.scene_path)
@@ -71,6 +76,12 @@ def _inspect(collection: Collection, request: Inspect) -> Inspected:
     values: dict[str, Any] = collection.scene_values(request.scene)
     imported = read_scene(path, **values)
     return Inspected(list(imported.notes), dict(imported.files))
+
+
+def _demands(collection: Collection, request: Demand) -> DemandsFound:
+    collection.places.methods.add(request.label.partition("[")[0], _path(request.path))
+    (method,) = collection.expand_methods([request.label])
+    return DemandsFound(default_demands(method))
 
 
 def _method(collection: Collection, name: str, path: Path) -> Entry:

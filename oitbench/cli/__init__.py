@@ -28,6 +28,7 @@ VERBS = (
     "import",
     "new",
     "report",
+    "choose",
     "compare",
     "baseline",
     "doctor",

@@ -13,8 +13,9 @@ from oitbench.catalog.catalog import Catalog
 from oitbench.catalog.messages import Entry, Kind
 from oitbench.cli import options
 from oitbench.effects import REQUESTED_BY
-from oitbench.errors import UsageError, unknown
+from oitbench.errors import OitbenchError, UsageError, unknown
 from oitbench.measure.survey import SCENE_SECONDS
+from oitbench.method.demands import Demands
 from oitbench.parameters import AnyParameter, text
 from oitbench.shading import PARAMETERS
 from oitbench.stability.check import METHOD_SECONDS
@@ -43,6 +44,20 @@ def _read_kind(ctx: click.Context, parameter: click.Parameter, value: str | None
     f" takes longer than {METHOD_SECONDS:g} s, is left out; the exit code is then 1.",
 )
 @click.option(
+    "--class",
+    "classes",
+    is_flag=True,
+    help="Print the table of what methods demand of a platform, which follows from what they"
+    " declare, with all effects that they show. A method that cannot be loaded is left out; the"
+    " exit code is then 1.",
+)
+@click.option(
+    "--method",
+    "methods",
+    multiple=True,
+    help="NAME[param=v,w], for --class. Repeatable. Default: all, with their defaults.",
+)
+@click.option(
     "--stats",
     is_flag=True,
     help="Count triangles, draws, fragments and depth complexity of all views of scenes; print"
@@ -62,6 +77,8 @@ def command(
     kind: str | None,
     as_json: bool,
     measure: bool,
+    classes: bool,
+    methods: tuple[str, ...],
     stats: bool,
     scenes: tuple[str, ...],
     size: tuple[int, int],
@@ -71,11 +88,16 @@ def command(
 ) -> None:
     """List methods, scenes, effects, settings of shading or reports, with their parameters.
 
-    The default is all of them. `oitbench list methods --measure` prints the table of methods of the
-    README, and `oitbench list scenes --stats` what scenes ask of a renderer.
+    The default is all of them. `oitbench list methods --measure` and `--class` print the tables of
+    methods of the README, and `oitbench list scenes --stats` what scenes ask of a renderer.
     """
     if measure:
         _print_overview(collections, kind)
+        return
+    if classes or methods:
+        if kind != "methods" or not classes:
+            raise UsageError("--class needs methods: oitbench list methods --class")
+        _print_classes(methods, as_json, collections)
         return
     if stats or scenes:
         if kind != "scenes" or not stats:
@@ -97,6 +119,26 @@ def command(
                 click.echo(f"  {'':{width}}    {key}={parameter['summary']}")
             if entry.get("views"):
                 click.echo(f"  {'':{width}}    views: {', '.join(entry['views'])}")
+
+
+def _print_classes(texts: tuple[str, ...], as_json: bool, collections: tuple[Path, ...]) -> None:
+    from oitbench.method.demand_table import facts, table
+
+    found: dict[str, Demands] = {}
+    lost: dict[str, OitbenchError] = {}
+    with Catalog(collections) as catalog:
+        for choice in catalog.expand_methods(texts or catalog.names("method")):
+            try:
+                found[choice.label] = catalog.demands(choice)
+            except OitbenchError as error:
+                lost[choice.label] = error
+    if as_json:
+        click.echo(json.dumps([facts(*row) for row in found.items()], indent=2))
+    else:
+        click.echo(table(found), nl=False)
+    for label, reason in lost.items():
+        click.echo(f"failed {label}: {reason}", err=True)
+    sys.exit(1 if lost else 0)
 
 
 def _print_statistics(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 
@@ -15,6 +15,7 @@ from oitbench.gl.capabilities import FETCH, SPIN_LOCK
 from oitbench.gl.program.bindings import Bindings
 from oitbench.gl.program.prelude import parameter_macros
 from oitbench.method.declaration import Method, Request, plan_of
+from oitbench.method.demands import NOTHING, Demands, demands_of
 from oitbench.method.passes import (
     OPAQUE_COLOR,
     OPAQUE_DEPTH,
@@ -25,7 +26,7 @@ from oitbench.method.passes import (
     Resolve,
     Step,
 )
-from oitbench.method.steps import all_passes, check_pass, is_programmable, passes_of
+from oitbench.method.steps import all_passes, check_pass, is_programmable, nameable, passes_of
 from oitbench.method.storage import Buffer, Items, Target
 
 Size = tuple[int, int]
@@ -60,6 +61,8 @@ class FramePlan:
         Folders of the method's shaders; empty for the engine's own.
     macros : str
         Parameters of the method as `#define`s.
+    demands : Demands
+        What the declaration demands of any platform.
     """
 
     label: str
@@ -74,6 +77,7 @@ class FramePlan:
     samples: int = 1
     folders: tuple[Path, ...] = ()
     macros: str = ""
+    demands: Demands = NOTHING
 
     @classmethod
     def of(
@@ -108,15 +112,14 @@ class FramePlan:
             A pass does not fit the targets and buffers; the message names its shader.
         """
         declared = plan_of(method, Request(effects, particles, others))
-        targets = dict(declared.targets)
-        color = targets.pop("color", Target("rgba16f"))
+        targets = {name: item for name, item in declared.targets.items() if name != "color"}
         blending = None
         if any(is_programmable(item) for item in all_passes(declared.passes)):
             blending = mechanism if isinstance(mechanism, str) else mechanism(method.sample_count)
         if blending == SPIN_LOCK:
             targets["lock"] = Target("r32ui")
         plan = cls(
-            method.label, size, effects, blending, targets, color,
+            method.label, size, effects, blending, targets, declared.color,
             declared.buffers, declared.passes, Bindings.of(declared.buffers, counted),
             method.sample_count, method.folders, parameter_macros(method),
         )  # fmt: skip
@@ -124,7 +127,7 @@ class FramePlan:
             plan.check()
         except DeclarationError as error:
             raise DeclarationError(f"{method.name}: {error}") from error
-        return plan
+        return replace(plan, demands=demands_of(method, declared))
 
     def check(self) -> None:
         """Raise `DeclarationError` if the passes do not fit the targets and buffers."""
@@ -151,12 +154,7 @@ class FramePlan:
     @cached_property
     def declared(self) -> Mapping[str, Target]:
         """All targets that passes can name, including those of the frame itself."""
-        return {
-            **self.targets,
-            "color": self.color,
-            OPAQUE_COLOR: self.color,
-            OPAQUE_DEPTH: Target("depth32f"),
-        }
+        return nameable(self.targets, self.color)
 
     @cached_property
     def passes(self) -> tuple[Pass, ...]:

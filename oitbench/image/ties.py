@@ -81,10 +81,30 @@ def clear_difference(one: Errors, other: Errors) -> float:
     one, other : Errors
         Against the same reference.
     """
-    found = one.error - other.error
+    return clear_mean_difference([one], [other])
+
+
+def clear_mean_difference(ones: Sequence[Errors], others: Sequence[Errors]) -> float:
+    """Return by how much the mean of `ones` clearly exceeds that of `others`; 0 for a tie.
+
+    The noise of different references is independent, so that the variances of their paired
+    differences add up.
+
+    Parameters
+    ----------
+    ones, others : sequence of Errors
+        Each pair is against the same reference, and pairs are against different ones.
+    """
+    pairs = list(zip(ones, others, strict=True))
+    found = sum(one.error - other.error for one, other in pairs) / len(pairs)
+    error = math.sqrt(sum(_variance(one, other) for one, other in pairs)) / len(pairs)
+    return found if abs(found) > LEAST_T * error else 0.0
+
+
+def _variance(one: Errors, other: Errors) -> float:
+    """Return the squared standard error of a paired difference; 0 without noise."""
     count = len(one.without)
     if count != len(other.without) or count < 2:
-        return found
+        return 0.0
     left = np.subtract(one.without, other.without)
-    error = math.sqrt((count - 1) / count * float(((left - left.mean()) ** 2).sum()))
-    return found if abs(found) > LEAST_T * error else 0.0
+    return (count - 1) / count * float(((left - left.mean()) ** 2).sum())

@@ -211,6 +211,7 @@ class Bench:
             scores=scores,
             images=scorer.images | {COMPLEXITY: stage.complexity(effects)},
             exposure=scene.exposure,
+            demands=plan.demands,
             plan=plan.digest,
         )
         return outcome, reason

@@ -16,6 +16,7 @@ from oitbench.effects import SHADING, Effect
 from oitbench.errors import DeclarationError, locate, unknown
 from oitbench.method.passes import Gather, Interleaved, Loop, Resolve, Step
 from oitbench.method.promises import ALWAYS
+from oitbench.method.steps import nameable
 from oitbench.method.storage import Buffer, Target
 from oitbench.method.views import View
 from oitbench.parameters import AnyParameter, Parameter, Value, label
@@ -45,7 +46,7 @@ class Plan:
     Parameters
     ----------
     targets : mapping of str to Target
-        Textures by name. `color`, the image, is rgba16f unless stated here.
+        Textures by name; see `color`.
     passes : tuple of Gather, Resolve, Loop or Interleaved
         In the order in which they are issued.
     buffers : mapping of str to Buffer
@@ -54,6 +55,16 @@ class Plan:
     targets: Mapping[str, Target] = field(default_factory=dict)
     passes: tuple[Step, ...] = ()
     buffers: Mapping[str, Buffer] = field(default_factory=dict)
+
+    @property
+    def color(self) -> Target:
+        """The image, which is rgba16f unless `targets` states another format."""
+        return self.targets.get("color", Target("rgba16f"))
+
+    @property
+    def declared(self) -> dict[str, Target]:
+        """All targets that passes can name, including those of the frame itself."""
+        return nameable(self.targets, self.color)
 
 
 _MEMBERS = (

@@ -142,8 +142,8 @@ class Loop:
     Parameters
     ----------
     passes : tuple of Gather or Resolve
-    times : int
-        Largest number of rounds.
+    times : int, optional
+        Largest number of rounds. Default: as many as `until_empty` takes.
     until_empty : str, optional
         Name of a pass: the loop ends after the first round in which no sample passes in it.
     swaps : tuple of (str, str)
@@ -152,9 +152,14 @@ class Loop:
     """
 
     passes: tuple[Pass, ...]
-    times: int
+    times: int | None = None
     until_empty: str | None = None
     swaps: tuple[tuple[str, str], ...] = ()
+
+    def __post_init__(self) -> None:
+        if self.times is None and self.until_empty is None:
+            shaders = " and ".join(item.shader for item in self.passes)
+            raise DeclarationError(f"{shaders}: the loop has no end; give times or until_empty")
 
 
 Step = Gather | Resolve | Interleaved | Loop

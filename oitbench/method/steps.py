@@ -4,9 +4,19 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator, Mapping
+from typing import Literal
 
 from oitbench.errors import DeclarationError, unknown
-from oitbench.method.passes import OPAQUE_DEPTH, Gather, Interleaved, Loop, Pass, Step
+from oitbench.method.passes import (
+    OPAQUE_COLOR,
+    OPAQUE_DEPTH,
+    Gather,
+    Interleaved,
+    Loop,
+    Pass,
+    Resolve,
+    Step,
+)
 from oitbench.method.storage import Buffer, Target
 
 
@@ -19,6 +29,29 @@ def all_passes(steps: Iterable[Step]) -> Iterator[Pass]:
     """Yield the passes of all steps, in order."""
     for step in steps:
         yield from passes_of(step)
+
+
+def nameable(targets: Mapping[str, Target], color: Target) -> dict[str, Target]:
+    """Return all targets that passes can name, including those of the frame itself."""
+    frame = {"color": color, OPAQUE_COLOR: color, OPAQUE_DEPTH: Target("depth32f")}
+    return {**targets, **frame}
+
+
+def accesses_of(item: Pass) -> Iterator[tuple[str, Literal["read", "blend", "write"]]]:
+    """Yield the targets that one output of a pass accesses, and how.
+
+    `blend` is the read that blending, or a depth test that writes, implies.
+    """
+    for name in item.reads:
+        yield name, "read"
+    if item.depth is not None and (isinstance(item, Resolve) or item.depth_writes):
+        if isinstance(item, Gather):
+            yield item.depth, "blend"
+        yield item.depth, "write"
+    for name, blend in item.writes.items():
+        if blend.reads:
+            yield name, "blend"
+        yield name, "write"
 
 
 def is_programmable(item: Pass) -> bool:

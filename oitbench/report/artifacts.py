@@ -11,11 +11,10 @@ from pathlib import Path
 
 from oitbench.errors import UsageError
 from oitbench.results.table import shielded
+from oitbench.results.times import SIGN
 
 Value = str | int | float | None
 Row = Sequence[Value]
-SIGN = "†"
-"""Sign of a number with a reservation, which the caption explains."""
 
 
 class Marked(float):

@@ -16,12 +16,6 @@ def outcomes(panel: Panel) -> list[tuple[Record, Outcome]]:
     return [(cell, cell.outcome) for cell in panel.finished if cell.outcome is not None]
 
 
-def largest_noise_floor(cells: Iterable[Record], truth: str, metric: str) -> float | None:
-    """Return the largest noise floor of a truth of the cells; None if none is known."""
-    floors = (cell.noise_floor(truth, metric) for cell in cells)
-    return max((floor for floor in floors if floor is not None), default=None)
-
-
 def most_complete(cells: Iterable[Record], metric: str) -> Record | None:
     """Return the cell that misses the fewest effects; None if there are no cells.
 

@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from oitbench.image import metrics
-from oitbench.report.cells import largest_noise_floor
-from oitbench.report.ranking import ranking
 from oitbench.report.times import EXPLANATION, is_disturbed, signed
+from oitbench.results.ranking import largest_noise_floor, ranking
 from oitbench.results.records import Panel, Results
 from oitbench.truths import COMPOSITING_ONLY, EXACT, FULL, MATCHED, TRUTHS
 

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from oitbench.report.artifacts import SIGN, writing_to
+from oitbench.report.artifacts import writing_to
 from oitbench.report.cells import effect_labels
 from oitbench.report.context import ReportContext
 from oitbench.report.sections import SECONDS, Section, build_sections
@@ -15,6 +15,7 @@ from oitbench.report.templates import environment
 from oitbench.report.times import disturbed_scenes
 from oitbench.results.records import Results
 from oitbench.results.schema import Record, RunFacts
+from oitbench.results.times import SIGN
 
 
 @dataclass(frozen=True)

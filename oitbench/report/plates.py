@@ -16,9 +16,8 @@ from oitbench.image import files as images
 from oitbench.image.files import Image
 from oitbench.report import figures
 from oitbench.report.artifacts import ImageGrid, Tile, decimal, fixed
-from oitbench.report.cells import largest_noise_floor
 from oitbench.report.context import ReportContext
-from oitbench.report.ranking import truth_label
+from oitbench.results.ranking import largest_noise_floor, truth_label
 from oitbench.results.records import Panel
 from oitbench.results.schema import Record
 

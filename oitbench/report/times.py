@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from oitbench.report.artifacts import SIGN, Marked
+from oitbench.report.artifacts import Marked
 from oitbench.results.schema import Record
-from oitbench.results.times import DISTURBED
+from oitbench.results.times import DISTURBED, SIGN
 
 EXPLANATION = (
     f"{SIGN} disturbed: other processes took more than {DISTURBED:.0%} of the CPU time while the "

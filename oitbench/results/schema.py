@@ -16,6 +16,7 @@ from msgspec import Meta, Struct
 from oitbench.effects import effects_of
 from oitbench.image.stored import StoredImage
 from oitbench.image.ties import Errors
+from oitbench.method.demands import Demands
 from oitbench.parameters import Value
 from oitbench.results.checksum import CHECKSUM
 from oitbench.results.statistics import Count, SceneStatistics
@@ -23,7 +24,7 @@ from oitbench.results.times import Processor, Time
 from oitbench.truths import ranking_truth
 from oitbench.views import MAIN, seen
 
-VERSION: Final = 4
+VERSION: Final = 5
 """Version of the schema; a change of any field raises it."""
 SCHEMA_FILE = Path(__file__).with_name("record.schema.json")
 
@@ -159,8 +160,9 @@ class Outcome(_Typed, frozen=True):
     truths, and for each truth `flip_TRUTH`, the maps of FLIP (channel `ldr`) and HDR-FLIP (`hdr`).
     `complexity` among them holds the transparent fragments of each pixel (channel `fragments`),
     which `statistics` sums up. `transparent_pixels` counts pixels of accuracy images with a
-    transparent fragment in any sub-pixel. `exposure` is in stops. `plan` is a digest of the
-    targets, buffers and passes that the method declared.
+    transparent fragment in any sub-pixel. `exposure` is in stops. `demands` are those of the method
+    with the effects that ran. `plan` is a digest of the targets, buffers and passes that the method
+    declared.
     """
 
     parameters: dict[str, Value]
@@ -175,6 +177,7 @@ class Outcome(_Typed, frozen=True):
     scores: dict[str, Scores]
     images: dict[str, StoredImage]
     exposure: float
+    demands: Demands
     plan: str = ""
 
 
@@ -255,7 +258,7 @@ class Record(_Typed, frozen=True):
     time: Time | None = None
     shading: str = ""
     view: str = MAIN
-    schema: Literal[4] = VERSION
+    schema: Literal[5] = VERSION
 
     @property
     def seen(self) -> str:
@@ -351,7 +354,7 @@ class RunFacts(_Typed, frozen=True):
     git: Commit | None = None
     date: str = ""
     wall: dict[str, float] = {}
-    schema: Literal[4] = VERSION
+    schema: Literal[5] = VERSION
 
     @property
     def renderer(self) -> str:

@@ -8,6 +8,8 @@ from msgspec import Struct
 
 DISTURBED: Final = 0.05
 """Share of the CPU time that other processes may take while a scene is timed."""
+SIGN: Final = "†"
+"""Sign of a time that other processes disturbed."""
 
 
 class _Typed(Struct, frozen=True, forbid_unknown_fields=True):

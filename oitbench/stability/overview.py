@@ -18,7 +18,7 @@ from oitbench.measure import accounting
 from oitbench.measure.oracle import composite
 from oitbench.method.declaration import Method, Request, plan_of
 from oitbench.method.passes import Gather, Order
-from oitbench.method.steps import all_passes, is_programmable
+from oitbench.method.steps import all_passes
 from oitbench.parameters import text
 from oitbench.scene import FragmentLists
 from oitbench.stability.layers import BACKGROUND, SIDE, random_lists, scene_of
@@ -33,8 +33,7 @@ OPTICAL_DEPTH = 6.0
 """Largest sum of the coverages of a stack of many layers."""
 HEADINGS = (
     "method", "order independent", "exact layers", "colored transmission",
-    f"geometry passes at {DEPTH} layers", f"bytes per pixel at {DEPTH} layers", "capability",
-    "known failure",
+    f"geometry passes at {DEPTH} layers", f"bytes per pixel at {DEPTH} layers", "known failure",
 )  # fmt: skip
 
 
@@ -61,8 +60,6 @@ class Overview:
         Draws of all transparent geometry in a frame of `DEPTH` layers.
     bytes : float
         Memory per pixel in a frame of `DEPTH` layers.
-    capability : str
-        Required capabilities beyond OpenGL 4.5.
     failure : str
         The first known failure of the docstring.
     """
@@ -74,7 +71,6 @@ class Overview:
     colored: str
     passes: int
     bytes: float
-    capability: str
     failure: str
 
     @property
@@ -92,7 +88,6 @@ class Overview:
             self.colored,
             str(self.passes),
             f"{self.bytes:.4g}",
-            self.capability or "–",
             self.failure,
         )
 
@@ -120,7 +115,6 @@ def measure(device: Device, methods: Sequence[Method]) -> list[Overview]:
                             if isinstance(item, Gather)
                         ),
                         accounting.memory(frame).bits_per_pixel / 8,
-                        _capabilities(method),
                         first_failure(method),
                     )
                 )
@@ -210,13 +204,6 @@ def _sorts(method: Method) -> bool:
     """Return whether the method sorts its draws."""
     passes = all_passes(plan_of(method, Request(method.shows, particles=True)).passes)
     return any(isinstance(item, Gather) and item.order is not Order.SUBMISSION for item in passes)
-
-
-def _capabilities(method: Method) -> str:
-    plan = plan_of(method, Request(method.shows, particles=True))
-    blends = any(map(is_programmable, all_passes(plan.passes)))
-    names = [*method.requires, *(["programmable blending"] if blends else [])]
-    return ", ".join(name.replace("_", " ") for name in names)
 
 
 def first_failure(method: Method) -> str:

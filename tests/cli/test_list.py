@@ -75,6 +75,48 @@ def test_a_method_that_ends_its_process_is_missing_in_the_measured_table(
     assert answer.err.startswith("failed leaving: the worker process ended with code 0")
 
 
+def test_classes_of_methods_are_a_table_or_json(call: Call) -> None:
+    options = ("--class", "--method", "weighted_blended[msaa=1,4]")
+    answer = call("list", "methods", *options)
+    assert answer.code == 0
+    rows = [line.split(" | ") for line in answer.out.splitlines()[2:]]
+    assert [(row[0], row[1], row[7]) for row in rows] == [
+        ("| `weighted_blended`", "multiple targets", "72"),
+        ("| `weighted_blended[msaa=4]`", "multiple targets", "288"),
+    ]
+    found = json.loads(call("list", "methods", *options, "--json").out)
+    assert [(row["method"], row["class"], row["samples"]) for row in found] == [
+        ("weighted_blended", "targets", 1),
+        ("weighted_blended[msaa=4]", "targets", 4),
+    ]
+
+
+@pytest.mark.parametrize(
+    ("plan", "part"),
+    [("None", "return an oit.Plan"), ('Plan({}, (Gather("a.glsl", writes={"x": ADD}),))', "'x'")],
+)
+def test_a_method_without_a_valid_plan_has_no_class(
+    call: Call, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, plan: str, part: str
+) -> None:
+    folder = tmp_path / "methods" / "wrong"
+    folder.mkdir(parents=True)
+    (folder / "method.py").write_text(
+        "from oitbench import *\n\n\nclass Wrong(Method):\n"
+        f"    def plan(self, request):\n        return {plan}\n"
+    )
+    monkeypatch.setattr(Catalog, "names", lambda self, kind: ["wrong", "weighted_sum"])
+    answer = call("list", "methods", "--class", "--collection", tmp_path)
+    assert answer.code == 1
+    assert [line.split()[1] for line in answer.out.splitlines()[2:]] == ["`weighted_sum`"]
+    assert answer.err.startswith("failed wrong: ")
+    assert part in answer.err
+
+
+def test_classes_need_methods(call: Call) -> None:
+    call("list", "scenes", "--class").assert_refused("oitbench list methods --class")
+    call("list", "methods", "--method", "a_buffer").assert_refused("list methods --class")
+
+
 def test_statistics_of_scenes_are_a_table_or_json(call: Call) -> None:
     options = ("--stats", "--size", "16x8", "--scene", "layer_stack[count=2,3]")
     answer = call("list", "scenes", *options)

@@ -25,11 +25,13 @@ from oitbench.matrix.timed_cells import ScoredCell, Timing
 from oitbench.measure import timing
 from oitbench.measure.rounds import Schedule
 from oitbench.measure.timing import Timings
+from oitbench.method.demands import default_demands
 from oitbench.plugins import Collection
 from oitbench.results.records import Results
 from oitbench.results.schema import EffectNames, Nonfinite, Outcome, Record
 from oitbench.results.store import CELLS, read_cells
 from oitbench.truths import EXACT, FULL, MATCHED, TRACED
+from tests.helpers import method
 
 SIZE = (32, 32)
 MATRIX = (["calm", "restless[count=5]"], ["alpha_blend", "a_buffer[node=compact]"])
@@ -84,6 +86,7 @@ def test_a_record_has_all_facts_for_reports(finished: Path) -> None:
     heads = next(term for term in outcome.memory.terms if term.resource == "heads")
     assert heads.bytes == 4 * 32 * 32
     assert outcome.traffic.bytes == sum(term.bytes for term in outcome.traffic.terms)
+    assert outcome.demands == default_demands(method(record.method))
     assert outcome.nonfinite == Nonfinite()
     error = record.metric("exact", "rmse_lin")
     assert error is not None

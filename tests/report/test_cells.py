@@ -8,11 +8,11 @@ from oitbench.image import metrics
 from oitbench.report.cells import (
     effect_label,
     effect_labels,
-    largest_noise_floor,
     most_complete,
     total_memory,
     total_traffic,
 )
+from oitbench.results.ranking import largest_noise_floor
 from oitbench.truths import MATCHED
 from tests.report.made_up import FLOOR, finished, unfinished, with_effects
 

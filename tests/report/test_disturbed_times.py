@@ -10,10 +10,11 @@ import pytest
 
 from oitbench.plugins import Collection
 from oitbench.report import accounts, markdown, page
-from oitbench.report.artifacts import SIGN, Column, Marked
+from oitbench.report.artifacts import Column, Marked
 from oitbench.report.times import explain, marked
 from oitbench.results.records import Results
 from oitbench.results.schema import Record
+from oitbench.results.times import SIGN
 from tests.made_up import timed
 from tests.report.made_up import FACTS, context, finished, store, with_effects
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Hashable, Mapping, Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass
@@ -115,7 +116,7 @@ class Executor:
         first: int,
     ) -> None:
         done = 0
-        for number in range(loop.times):
+        for number in itertools.count() if loop.times is None else range(loop.times):
             self._set_iteration(number)
             empty = False
             for index, item in enumerate(compiled.rounds[number % len(compiled.rounds)]):

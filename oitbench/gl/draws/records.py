@@ -8,7 +8,8 @@ from typing import Literal
 
 from oitbench.gl.program.bindings import Access
 from oitbench.method.formats import GLSL_BYTES
-from oitbench.method.passes import Gather, Pass, Resolve
+from oitbench.method.passes import Pass, Resolve
+from oitbench.method.steps import accesses_of
 from oitbench.method.storage import Buffer, Target
 
 Kind = Literal["clear", "read", "write", "blend", "atomic"]
@@ -104,24 +105,15 @@ def terms_of(
         return Term(name, resource, kind, count, targets[resource].texel.bytes)
 
     terms = [term(target, "clear", texels(target) * record.runs) for target in step.clears]
-    for target in step.reads:
+    for target, kind in accesses_of(step):
         count = items
-        if taps is not None:
+        if kind == "read" and taps is not None:
             count = taps[target] * items
-        elif isinstance(step, Resolve):
+        elif kind == "read" and isinstance(step, Resolve):
             count = min(items, texels(target) * record.runs)
-        terms.append(term(target, "read", count))
-    if step.depth is not None and (isinstance(step, Resolve) or step.depth_writes):
-        if isinstance(step, Gather):
-            terms.append(term(step.depth, "blend", items))
-        terms.append(term(step.depth, "write", items))
-    for target, blend in step.writes.items():
-        if blend.reads:
-            terms.append(term(target, "blend", items))
-        terms.append(term(target, "write", items))
-    for (buffer, key, kind), count in record.accesses.items():
+        terms.append(term(target, kind, count))
+    for (buffer, key, access), count in record.accesses.items():
         size = GLSL_BYTES[buffers[buffer].fields.get(key, "uint")]
-        terms.append(
-            Term(name, f"{buffer}.{key}", kind, count, 2 * size if kind == "atomic" else size)
-        )
+        size *= 2 if access == "atomic" else 1
+        terms.append(Term(name, f"{buffer}.{key}", access, count, size))
     return [entry for entry in terms if entry.items]

@@ -8,7 +8,7 @@ import numpy as np
 
 from oitbench.image import metrics
 from oitbench.image.ties import Errors
-from oitbench.report.ranking import Ranking, ranking, truth_label
+from oitbench.results.ranking import Ranking, ranking, truth_label
 from oitbench.results.records import Results
 from oitbench.truths import EXACT, MATCHED
 from tests.report.made_up import FACTS, FLOOR, finished, unfinished, with_effects

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 from oitbench.image.ties import LEAST_T, Errors, clear_difference
-from oitbench.report.cells import largest_noise_floor
 from oitbench.results.records import Panel
+from oitbench.results.schema import Record
 from oitbench.truths import COMPOSITING_ONLY, EXACT, TRUTHS
 
 EXPLANATION = (
@@ -63,6 +63,12 @@ def ranking(panel: Panel, metric: str) -> Ranking:
     errors = {method: found for method, found in known.items() if found is not None}
     ordered = dict(sorted(errors.items(), key=lambda item: item[1].error))
     return Ranking(truth, ordered, largest_noise_floor(panel.finished, truth, metric))
+
+
+def largest_noise_floor(cells: Iterable[Record], truth: str, metric: str) -> float | None:
+    """Return the largest noise floor of a truth of the cells; None if none is known."""
+    floors = (cell.noise_floor(truth, metric) for cell in cells)
+    return max((floor for floor in floors if floor is not None), default=None)
 
 
 def truth_label(panel: Panel, truth: str) -> str:

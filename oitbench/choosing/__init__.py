@@ -1,0 +1,1 @@
+"""Choosing a method under the constraints of a platform, from stored results alone."""
