@@ -256,7 +256,7 @@ class Catalog:
         """
         if method.error:
             raise DeclarationError(method.error)
-        request = Demand(method.label, os.fsencode(self.path("method", method.name)))
+        request = Demand(method.label, self.path("method", method.name))
         return self._worker.ask(request, DemandsFound, self._load_seconds, retry=True).demands
 
     def effects_axes(

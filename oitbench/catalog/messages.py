@@ -51,7 +51,7 @@ class Demand(Struct, frozen=True, tag=True):
     """Asks what a method demands; `label` selects it, and `path` is its file."""
 
     label: str
-    path: bytes
+    path: Path
 
 
 class Inspect(Struct, frozen=True, tag=True):

@@ -79,7 +79,7 @@ def _inspect(collection: Collection, request: Inspect) -> Inspected:
 
 
 def _demands(collection: Collection, request: Demand) -> DemandsFound:
-    collection.places.methods.add(request.label.partition("[")[0], _path(request.path))
+    collection.places.methods.add(request.label.partition("[")[0], request.path)
     (method,) = collection.expand_methods([request.label])
     return DemandsFound(default_demands(method))
 
