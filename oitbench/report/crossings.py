@@ -124,6 +124,13 @@ class Sweep:
         """Whether there is one."""
         return 0 < self.middle < math.inf
 
+    @property
+    def nearest(self) -> int:
+        """The place next to the crossing; the middle one if there is none."""
+        if not self.crosses:
+            return len(self.x) // 2
+        return int(np.abs(np.log(self.x) - math.log(self.middle)).argmin())
+
     def along(self, errors: Floats) -> Floats:
         """Return the errors of this sweep, (places,), out of (rows, layers, seeds)."""
         mean = errors.mean(axis=-1)

@@ -19,6 +19,8 @@ from oitbench.results.records import Results
 from oitbench.results.schema import TRANSMITTANCE, Record
 from oitbench.truths import EXACT
 
+LISTS, CURVES, BLENDING = "lists", "curves", "blending"
+FAMILIES = (LISTS, CURVES, BLENDING)
 _EQUAL = 1.2
 """Largest ratio of bytes per pixel that count as equal."""
 _SWEPT = {"layers", "seed"}
@@ -152,3 +154,61 @@ def lowest(errors: Mapping[str, float], methods: Iterable[str]) -> str | None:
     """Return the method of lowest error; None if no method has an error."""
     known = [method for method in methods if method in errors]
     return min(known, key=errors.__getitem__, default=None)
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """All methods by family and by bytes.
+
+    Parameters
+    ----------
+    groups : list of ByteGroup
+    members : mapping of str to list of str
+        Methods by family.
+    blending : str
+        The bytes of blending in words.
+    cases : list of Case
+    """
+
+    groups: list[ByteGroup]
+    members: Mapping[str, Sequence[str]]
+    blending: str
+    cases: list[Case]
+
+    def of(self, group: ByteGroup, family: str) -> list[str]:
+        """Return the methods of a family in a group; blending belongs to all groups."""
+        methods = self.members[family]
+        return [method for method in methods if family == BLENDING or method in group.bytes]
+
+    def winner(self, case: Case, group: ByteGroup, by_flip: bool = False) -> str:
+        """Return the better of lists and curves in a picture; empty if it lacks one of them."""
+        errors = case.flip if by_flip else case.rmse
+        best = {f: lowest(errors, self.of(group, f)) for f in (LISTS, CURVES)}
+        known = {family: errors[method] for family, method in best.items() if method is not None}
+        return min(known, key=known.__getitem__) if len(known) == len(best) else ""
+
+
+def compare(results: Results, family_of: Mapping[str, str], flip: str) -> Comparison:
+    """Sort the methods of results.
+
+    Parameters
+    ----------
+    results : Results
+    family_of : mapping of str to str
+        One of `FAMILIES` by the bare name of a method; other methods are not compared.
+    flip : str
+        Name of the FLIP metric of the cases.
+    """
+    names = {record.method: record.name for record in results.records}
+    members = {
+        family: [m for m in results.methods if family_of.get(names[m]) == family]
+        for family in FAMILIES
+    }
+    sizes = bytes_of(results)
+    blending = [size for method in members[BLENDING] for size in sizes.get(method, ())]
+    return Comparison(
+        byte_groups(results, members[LISTS], members[CURVES]),
+        members,
+        bytes_text(blending) if blending else "",
+        cases(results, flip),
+    )

@@ -44,7 +44,7 @@ STACK, SIDE = "width=32,height=32", (32, 32)
 COVERAGE = (0.03, 0.08, 0.2, 0.5)
 """Middle of the coverage of the layers of a stack, which varies by half of it."""
 GRID = tuple(
-    f"fragment_lists[{STACK},layers=4,8,16,32,64,alpha_low={a / 2:g},alpha_high={1.5 * a:g},"
+    f"fragment_lists[{STACK},layers=4,6,8,12,16,32,64,alpha_low={a / 2:g},alpha_high={1.5 * a:g},"
     "seed=1,2,3]"
     for a in COVERAGE
 )
@@ -57,10 +57,10 @@ FAMILIES = (
     "farthest=30]",
 )
 GRAY_SCENES = (
-    "clouds", "engine", "foliage", "forest", "hair", "layer_stack", "power_plant", "smoke_ball",
-    "smoke_yard", "frosted_panes",
+    "smoke_ball", "hair", "layer_stack", "foliage", "forest", "power_plant", "smoke_yard", "clouds",
+    "engine",
 )  # fmt: skip
-COLORED_SCENES = ("bottles", "glass_bars", "glow", "shadow_trio", "tumblers", "smoke_and_glass")
+COLORED_SCENES = ("glass_bars", "bottles", "smoke_and_glass")
 
 
 @dataclass(frozen=True)
