@@ -55,7 +55,7 @@ def stacks(folder: Path) -> list[Record]:
     """Return stacks in which lists and curves are equal at 16 layers of opacity 0.1."""
     return [
         cell
-        for opacity in (0.02, 0.1, 0.35)
+        for opacity in (0.02, 0.1, 0.5)
         for layers in (4, 16, 64)
         for seed in (1, 2)
         for cell in cells(
@@ -82,12 +82,12 @@ def test_the_crossings_are_printed_and_drawn(tmp_path: Path) -> None:
     rows = pd.read_csv(tmp_path / "crossover.csv")
     assert set(rows["bytes"]) == {"56 to 64 bytes per pixel"}
     by_layers = rows[rows["layers"].isna()]
-    np.testing.assert_allclose(by_layers["opacity"], [0.02, 0.1, 0.35], rtol=1e-5)
+    np.testing.assert_allclose(by_layers["opacity"], [0.02, 0.1, 0.5], rtol=1e-5)
     assert by_layers["curves"].to_list() == ["everywhere", "beyond 16 layers", "not at 64 layers"]
     np.testing.assert_allclose(by_layers["crossing"], [np.nan, 16, np.nan], rtol=1e-5)
     by_opacity = rows[rows["opacity"].isna()]
     assert by_opacity["layers"].to_list() == [4, 16, 64]
-    assert by_opacity["curves"].to_list()[1:] == ["below 0.10", "everywhere"]
+    assert by_opacity["curves"].to_list() == ["below 0.025", "below 0.10", "below 0.40"]
     assert set(rows["best_list"]) == {"k_buffer"}
     assert set(rows["best_curve"]) == {"wavelet[rank=2]"}
 
