@@ -126,16 +126,21 @@ def draw_map(
         axes = figure.subplots()
         axes.set_xscale("log")
         axes.set_yscale("log")
-        if len(grid.opacities) > 1:
-            _shade(axes, found, grid, group)
+        borders = _shade(axes, found, grid, group) if len(grid.opacities) > 1 else []
         written = []
         for case in scenes:
             winner = found.winner(case, group)
             if winner:
                 color, marker = _LOOK[winner]
-                fill = "white" if case.stack else color
+                fill, edge = ("white", color) if case.stack else (color, "white")
                 place = case.layers, case.opacity
-                axes.plot(*place, color=color, marker=marker, markersize=6, markerfacecolor=fill)
+                axes.plot(
+                    *place,
+                    marker=marker,
+                    markersize=6.5,
+                    markerfacecolor=fill,
+                    markeredgecolor=edge,
+                )
                 written.append(
                     labels.Label(*place, _short(case), figures.INK, case.layers, case.layers)
                 )
@@ -148,10 +153,11 @@ def draw_map(
             if name != BLENDING
         )
         figure.legend(handles=[lists, curves], loc="outside upper right", ncols=2)
-        labels.place(axes, written)
+        labels.place(axes, written, lines=borders)
         caption = (
             "The family of lower RMSE. Areas: random stacks, interpolated between those of the "
-            "grid. Marks: real scenes (filled) and other random stacks (open)."
+            "grid. Marks: real scenes (filled), and other random stacks (open) with their family, "
+            "layers and opacity."
         )
         path = context.out / f"crossover-map-{max(group.bytes.values()):.0f}"
         return figures.save(
@@ -173,8 +179,10 @@ def _set_limits(axes: Axes, grid: Grid, scenes: Sequence[Case]) -> None:
         axis.set_major_formatter("{x:g}")
 
 
-def _shade(axes: Axes, found: Comparison, grid: Grid, group: ByteGroup) -> None:
-    """Color the plane by the family of lower error, and draw the border between both."""
+def _shade(
+    axes: Axes, found: Comparison, grid: Grid, group: ByteGroup
+) -> list[tuple[Sequence[float], Sequence[float]]]:
+    """Color the plane by the family of lower error; return the border between both as (x, y)."""
     first, second = (grid.errors(found.of(group, family)) for family in (LISTS, CURVES))
     ahead = crossings.lead(first, second).mean(axis=-1)
     x, y = np.log(grid.layers), np.log(grid.opacities)
@@ -185,7 +193,8 @@ def _shade(axes: Axes, found: Comparison, grid: Grid, group: ByteGroup) -> None:
     shades = [palette.mix(_LOOK[family][0], "#ffffff", _PALE) for family in (LISTS, CURVES)]
     place = np.exp(fine_x), np.exp(fine_y)
     axes.contourf(*place, plane, levels=[-limit, 0, limit], colors=shades)
-    axes.contour(*place, plane, levels=[0], colors=figures.INK, linewidths=1)
+    border = axes.contour(*place, plane, levels=[0], colors=figures.INK, linewidths=1)
+    return [(line[:, 0].tolist(), line[:, 1].tolist()) for line in border.allsegs[0]]
 
 
 def _short(case: Case) -> str:
@@ -194,4 +203,4 @@ def _short(case: Case) -> str:
         return case.scene
     given = parameters.parse(case.scene).grid
     kind = given.get("family", ("even",))[0]
-    return f"{kind}, {case.layers:g} of {case.opacity:.2g}"
+    return f"{kind}, {case.layers:g} × {case.opacity:.2g}"
