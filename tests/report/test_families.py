@@ -106,10 +106,12 @@ def test_the_strength_of_a_picture_is_that_of_equal_layers(tmp_path: Path) -> No
 
 
 def test_pictures_without_maps_or_with_effects_left_out_have_no_strength(tmp_path: Path) -> None:
-    bare = sized(tmp_path, "nodes", 32)
-    reduced = measured(tmp_path, bare)
-    reduced = msgspec.structs.replace(reduced, effects="-shadows")
-    assert cases(results(tmp_path, bare, reduced), metrics.FLIP_LDR) == []
+    bare = sized(tmp_path, "nodes", 32, "bare")
+    whole, shaded = (measured(tmp_path, sized(tmp_path, "nodes", 32, name)) for name in "ab")
+    reduced = msgspec.structs.replace(whole, effects="-shadows")
+    shaded = msgspec.structs.replace(shaded, shading="slices=8")
+    assert cases(results(tmp_path, bare, reduced, shaded), metrics.FLIP_LDR) == []
+    assert len(cases(results(tmp_path, bare, whole), metrics.FLIP_LDR)) == 1
 
 
 def test_the_winner_has_the_lowest_error(tmp_path: Path) -> None:
