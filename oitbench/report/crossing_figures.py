@@ -13,7 +13,16 @@ from oitbench.report import crossings, figures, labels, palette
 from oitbench.report.artifacts import Figure, decimal
 from oitbench.report.context import ReportContext
 from oitbench.report.crossings import Grid, Sweep
-from oitbench.report.families import BLENDING, CURVES, LISTS, ByteGroup, Case, Comparison
+from oitbench.report.families import (
+    BLENDING,
+    CURVES,
+    EQUAL,
+    LISTS,
+    UNSEEN,
+    ByteGroup,
+    Case,
+    Comparison,
+)
 from oitbench.scene import Floats
 
 if TYPE_CHECKING:
@@ -21,6 +30,12 @@ if TYPE_CHECKING:
 
 _LOOK = {LISTS: ("#0072B2", "s"), CURVES: ("#D55E00", "o"), BLENDING: ("#6b6b6b", "^")}
 """Color and marker of each family."""
+_MARKS = {
+    LISTS: (*_LOOK[LISTS], "lists win"),
+    CURVES: (*_LOOK[CURVES], "curves win"),
+    EQUAL: ("#6b6b6b", "D", "no visible error"),
+}
+"""Color, marker and legend of a winner."""
 _PALE = 0.85
 """Share of white in the areas of a map."""
 _ROOM = 1.4
@@ -65,7 +80,7 @@ def draw_errors(context: ReportContext, found: Comparison, grid: Grid) -> Figure
         caption = (
             f"{metrics.RMSE} of random stacks against exact compositing, mean over {grid.seeds} "
             "seeds. Thick: the best method of each family at each place; thin: each method. "
-            f"Errors below {crossings.UNSEEN:g}, which no display shows, are drawn there. Dotted: "
+            f"Errors below {UNSEEN:g}, which no display shows, are drawn there. Dotted: "
             "where lists and curves cross."
         )
         path = context.out / "crossover-errors"
@@ -82,7 +97,7 @@ def _draw_sweep(axes: Axes, found: Comparison, grid: Grid, group: ByteGroup, swe
     axes.grid(True, axis="both")
 
     def line(methods: Sequence[str]) -> Floats:
-        return np.maximum(sweep.along(grid.errors(methods)), crossings.UNSEEN)
+        return np.maximum(sweep.along(grid.errors(methods)), UNSEEN)
 
     for family, (color, marker) in _LOOK.items():
         methods = found.of(group, family)
@@ -131,7 +146,7 @@ def draw_map(
         for case in scenes:
             winner = found.winner(case, group)
             if winner:
-                color, marker = _LOOK[winner]
+                color, marker, _ = _MARKS[winner]
                 fill, edge = ("white", color) if case.stack else (color, "white")
                 place = case.layers, case.opacity
                 axes.plot(
@@ -147,12 +162,11 @@ def draw_map(
         _set_limits(axes, grid, scenes)
         axes.set_xlabel("mean number of layers at a covered pixel")
         axes.set_ylabel("opacity of a layer")
-        lists, curves = (
-            axes.plot([], [], color=color, marker=marker, linestyle="none", label=f"{name} win")[0]
-            for name, (color, marker) in _LOOK.items()
-            if name != BLENDING
-        )
-        figure.legend(handles=[lists, curves], loc="outside upper right", ncols=2)
+        handles = [
+            axes.plot([], [], color=color, marker=marker, linestyle="none", label=text)[0]
+            for color, marker, text in _MARKS.values()
+        ]
+        figure.legend(handles=handles, loc="outside upper right", ncols=len(handles))
         labels.place(axes, written, lines=borders)
         caption = (
             "The family of lower RMSE. Areas: random stacks, interpolated between those of the "

@@ -8,11 +8,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from oitbench.report.families import Case
+from oitbench.report.families import UNSEEN, Case
 from oitbench.scene import Floats
 
-UNSEEN = 1e-4
-"""RMSE that no display shows: a twentieth of half a step of 8 bits. Lower errors count as this."""
 _LEAST_LAYERS = 3
 
 
@@ -155,7 +153,7 @@ def sweeps(grid: Grid, first: Floats, second: Floats) -> Iterator[Sweep]:
 
 
 def lead(first: Floats, second: Floats) -> Floats:
-    """Return by which logarithm the second error is lower than the first one."""
+    """Return by which logarithm the second error is lower; errors below `UNSEEN` count as this."""
     return np.asarray(np.log(np.maximum(first, UNSEEN) / np.maximum(second, UNSEEN)))
 
 

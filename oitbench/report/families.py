@@ -21,6 +21,10 @@ from oitbench.truths import EXACT
 
 LISTS, CURVES, BLENDING = "lists", "curves", "blending"
 FAMILIES = (LISTS, CURVES, BLENDING)
+EQUAL = "equal"
+"""The winner where both errors are below `UNSEEN`."""
+UNSEEN = 1e-4
+"""An RMSE or FLIP that no display shows: a twentieth of half a step of 8 bits."""
 _EQUAL = 1.2
 """Largest ratio of bytes per pixel that count as equal."""
 _SWEPT = {"layers", "seed"}
@@ -181,11 +185,16 @@ class Comparison:
         return [method for method in methods if family == BLENDING or method in group.bytes]
 
     def winner(self, case: Case, group: ByteGroup, by_flip: bool = False) -> str:
-        """Return the better of lists and curves in a picture; empty if it lacks one of them."""
+        """Return the better of lists and curves in a picture, or `EQUAL`.
+
+        It is empty if the picture lacks one of them.
+        """
         errors = case.flip if by_flip else case.rmse
         best = {f: lowest(errors, self.of(group, f)) for f in (LISTS, CURVES)}
         known = {family: errors[method] for family, method in best.items() if method is not None}
-        return min(known, key=known.__getitem__) if len(known) == len(best) else ""
+        if len(known) < len(best):
+            return ""
+        return EQUAL if max(known.values()) < UNSEEN else min(known, key=known.__getitem__)
 
 
 def compare(results: Results, family_of: Mapping[str, str], flip: str) -> Comparison:

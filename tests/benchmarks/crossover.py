@@ -60,7 +60,7 @@ GRAY_SCENES = (
     "smoke_ball", "hair[detail=0.1]", "layer_stack", "foliage", "forest", "power_plant",
     "smoke_yard", "clouds", "engine",
 )  # fmt: skip
-COLORED_SCENES = ("glass_bars", "bottles", "smoke_and_glass")
+COLORED_SCENES = ("glass_bars", "bottles")
 
 
 @dataclass(frozen=True)

@@ -14,6 +14,7 @@ from oitbench.image import files, metrics, stored
 from oitbench.report.families import (
     BLENDING,
     CURVES,
+    EQUAL,
     LISTS,
     byte_groups,
     bytes_text,
@@ -129,6 +130,10 @@ def test_the_winner_has_the_lowest_error(tmp_path: Path) -> None:
     assert found.winner(case, group) == found.winner(case, group, by_flip=True) == CURVES
     alone = compare(results(tmp_path, *made[:2]), FAMILY_OF, metrics.FLIP_LDR)
     assert alone.blending == ""
+    unseen = replace(case, rmse={"wave": 9e-5, "nodes": 0.0})
+    assert found.winner(unseen, group) == EQUAL
+    seen = replace(case, rmse={"wave": 2e-4, "nodes": 0.0})
+    assert found.winner(seen, group) == LISTS
     lost = replace(case, rmse={"wave": 0.1})
     assert found.winner(lost, group) == ""
 
