@@ -67,9 +67,9 @@ def build(context: ReportContext) -> list[Artifact]:
                 " tests.benchmarks.crossover' runs some."
             )
         ]
-    grid = crossings.grid_of(case for case in found.cases if case.stack)
-    rows = grid.rows if grid else ()
-    scenes = [case for case in found.cases if case.row not in rows]
+    swept = crossings.swept_rows(case for case in found.cases if case.stack)
+    grid = crossings.grid_of(swept)
+    scenes = [case for case in found.cases if case.row not in swept]
     drawn: list[Artifact] = []
     if grid is not None:
         drawn.append(crossing_figures.draw_errors(context, found, grid))
@@ -77,6 +77,9 @@ def build(context: ReportContext) -> list[Artifact]:
             crossing_figures.draw_map(context, found, grid, scenes, group) for group in found.groups
         ]
         drawn.append(_crossings(context, found, grid))
+    left = [row for row in swept if grid is None or row not in grid.rows]
+    if left:
+        drawn.append(Note(f"Stacks or methods are missing, so not shown: {'; '.join(left)}."))
     return [*drawn, _scenes(context, found, scenes), _methods(context, found)]
 
 

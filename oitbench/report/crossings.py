@@ -50,23 +50,38 @@ class Grid:
         return np.array([[[of(stack) for stack in seeds] for seeds in row] for row in self.stacks])
 
 
-def grid_of(stacks: Iterable[Case]) -> Grid | None:
-    """Return the rows that have the same layers and seeds; None with fewer than three layers.
-
-    The row with most stacks decides which numbers of layers and which seeds belong to the grid.
-    """
-    rows: dict[str, dict[tuple[float, str], Case]] = {}
+def swept_rows(stacks: Iterable[Case]) -> dict[str, list[Case]]:
+    """Return the stacks by row; rows with fewer than three numbers of layers are left out."""
+    rows: dict[str, list[Case]] = {}
     for stack in stacks:
-        rows.setdefault(stack.row, {})[stack.layers, stack.seed] = stack
-    whole = max(rows.values(), key=len, default={})
+        rows.setdefault(stack.row, []).append(stack)
+    return {
+        name: row for name, row in rows.items() if len({s.layers for s in row}) >= _LEAST_LAYERS
+    }
+
+
+def grid_of(rows: Mapping[str, Sequence[Case]]) -> Grid | None:
+    """Return the rows that have the same layers, seeds and methods; None if there are none.
+
+    The row with most stacks decides which numbers of layers and which seeds belong to the grid. A
+    stack that lacks a method of another one, as in a run that was interrupted, does not count.
+    """
+    methods = {method for row in rows.values() for stack in row for method in stack.rmse}
+    known = {
+        name: {(s.layers, s.seed): s for s in row if s.rmse.keys() == methods}
+        for name, row in rows.items()
+    }
+    whole = max(known.values(), key=len, default={})
     layers, seeds = sorted({n for n, _ in whole}), sorted({seed for _, seed in whole})
     if len(layers) < _LEAST_LAYERS:
         return None
     full = {
         name: row
-        for name, row in rows.items()
+        for name, row in known.items()
         if all((n, seed) in row for n in layers for seed in seeds)
     }
+    if not full:
+        return None
     means = {name: _mean_opacity(row) for name, row in full.items()}
     ordered = sorted(full, key=means.__getitem__)
     return Grid(

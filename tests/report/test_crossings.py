@@ -3,17 +3,23 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from oitbench.report import crossings
-from oitbench.report.crossings import Grid, crossing, grid_of, lead, sweeps
+from oitbench.report.crossings import Grid, crossing, lead, sweeps, swept_rows
 from oitbench.report.families import Case
 
 
 def stack(row: str, layers: float, seed: str, opacity: float, **errors: float) -> Case:
     return Case(f"{row} {layers} {seed}", True, row, seed, layers, opacity, errors, {})
+
+
+def grid_of(stacks: Iterable[Case]) -> Grid | None:
+    return crossings.grid_of(swept_rows(stacks))
 
 
 def grid(seeds: str = "123", layers: tuple[int, ...] = (4, 16, 64)) -> Grid:
@@ -71,6 +77,16 @@ def test_rows_without_all_stacks_are_left_out() -> None:
     assert found.rows == ("a",)
     assert grid_of(case for case in whole if case.layers < 3) is None
     assert grid_of([]) is None
+
+
+def test_stacks_without_all_methods_do_not_count() -> None:
+    whole = [stack("a", n, "1", 0.1, list=1.0, curve=1.0) for n in (1, 2, 3)]
+    part = [stack("b", n, "1", 0.2, list=1.0, curve=1.0) for n in (1, 2, 3)]
+    part[0] = replace(part[0], rmse={"list": 1.0})
+    found = grid_of([*part, *whole])
+    assert found is not None
+    assert found.rows == ("a",)
+    assert grid_of([part[0], *whole[1:]]) is None
 
 
 def test_each_row_and_each_number_of_layers_is_swept() -> None:

@@ -94,6 +94,16 @@ def test_the_crossings_are_printed_and_drawn(tmp_path: Path) -> None:
     assert set(rows["best_curve"]) == {"wavelet[rank=2]"}
 
 
+def test_stacks_that_an_interrupted_run_lacks_are_named(tmp_path: Path) -> None:
+    *made, last = stacks(tmp_path)
+    found = built(tmp_path, made)
+    note = next(part for part in found if isinstance(part, Note))
+    assert note.text.endswith(f"not shown: lists[alpha={last.scene.split('alpha=')[1][:3]}].")
+    rows = pd.read_csv(tmp_path / "crossover.csv")
+    np.testing.assert_allclose(rows["opacity"].dropna(), [0.02, 0.1], rtol=1e-5)
+    assert not pd.read_csv(tmp_path / "crossover-scenes.csv").size
+
+
 def test_real_scenes_are_compared_in_each_group(tmp_path: Path) -> None:
     scene = cells(tmp_path, "panes", 5, 0.3, objects=3, k_buffer=0.01, wavelet=0.02)
     *_, table, methods = built(tmp_path, [*stacks(tmp_path), *scene])
