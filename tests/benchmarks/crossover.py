@@ -2,11 +2,11 @@
 
     python -m tests.benchmarks.crossover [--out results/crossover] [--workers N] [NAME ...]
 
-`oitbench report` draws them. Each NAME is one of `PARTS`; default: all. `stacks` are random stacks
-in pictures of 32 × 32 pixels, a grid of numbers of layers and of coverage with three seeds.
-`families` are five kinds of stacks, from few strong layers to many thin ones. `scenes` are real
-ones at 96 × 96; those with colored glass also have curves of three channels. All have one sample
-per pixel.
+`oitbench report --section crossover` draws them. Each NAME is one of `PARTS`; default: all.
+`stacks` are random stacks in pictures of 32 × 32 pixels, a grid of numbers of layers and of
+coverage with three seeds. `families` are five kinds of stacks, from few strong layers to many thin
+ones. `scenes` are real ones at 96 × 96; those with colored glass also have curves of three
+channels. All have one sample per pixel.
 """
 
 from __future__ import annotations
@@ -35,9 +35,10 @@ _BLENDING = ("weighted_average", "weighted_blended", "phenomenological")
 METHODS = (*_LISTS, *_CURVES, *_BLENDING)
 COLORED = (
     "adaptive[nodes=4,8,12,memory=fixed,channels=rgb]",
-    "wavelet[rank=3,channels=rgb]",
-    "fourier_map[coefficients=15,memory=fixed,normalized=true,channels=rgb]",
-    "opacity_map[slices=16,memory=fixed,normalized=true,channels=rgb]",
+    "wavelet[rank=1,precision=half,channels=rgb]",
+    "wavelet[rank=2,3,channels=rgb]",
+    "opacity_map[slices=8,16,memory=fixed,normalized=true,channels=rgb]",
+    "fourier_map[coefficients=7,15,memory=fixed,normalized=true,channels=rgb]",
 )
 STACK, SIDE = "width=32,height=32", (32, 32)
 """Size of pictures of stacks: parameters, pixels."""
@@ -96,7 +97,7 @@ def main() -> None:
                 ssaa=1, truths=[EXACT], workers=options.workers,
             )  # fmt: skip
             print(f"{name}: {summary}", flush=True)
-    print(f"next: oitbench report {options.out}")
+    print(f"next: oitbench report {options.out} --section crossover")
 
 
 if __name__ == "__main__":
