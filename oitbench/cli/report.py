@@ -21,6 +21,13 @@ from oitbench.report.sections import SECONDS
 )
 @click.option("--hdr", is_flag=True, help="Show HDR-FLIP instead of FLIP of the displayed image.")
 @click.option("--markdown", is_flag=True, help="Only print the main tables, as Markdown.")
+@click.option(
+    "--section",
+    "sections",
+    metavar="NAME",
+    multiple=True,
+    help="Write this section; `oitbench list reports` prints the names. Repeatable. Default: all.",
+)
 @options.timeout(SECONDS, "Seconds that each section of the page may take.")
 @options.collections
 def command(
@@ -28,6 +35,7 @@ def command(
     out: Path | None,
     hdr: bool,
     markdown: bool,
+    sections: tuple[str, ...],
     timeout: float | None,
     collections: tuple[Path, ...],
 ) -> None:
@@ -44,7 +52,8 @@ def command(
         click.echo(tables(Results.load(results)), nl=False)
         return
     with Catalog(collections) as catalog:
-        reports = catalog.places.reports
+        found = catalog.places.reports
+    reports = {name: found[name] for name in sections or found}
     page = write(results, out, reports, hdr=hdr, timeout=timeout)
     for reason in page.missing:
         click.echo(f"section left out: {reason}", err=True)

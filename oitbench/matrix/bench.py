@@ -30,6 +30,7 @@ from oitbench.method.declaration import Method
 from oitbench.plugins import Collection
 from oitbench.results.schema import (
     COMPLEXITY,
+    TRANSMITTANCE,
     WHOLE,
     EffectNames,
     Fingerprints,
@@ -209,7 +210,8 @@ class Bench:
             shading=cost.shading,
             nonfinite=Nonfinite(**metrics.count_nonfinite(image)),
             scores=scores,
-            images=scorer.images | {COMPLEXITY: stage.complexity(effects)},
+            images=scorer.images
+            | {COMPLEXITY: stage.complexity(effects), TRANSMITTANCE: exact.stored},
             exposure=scene.exposure,
             demands=plan.demands,
             plan=plan.digest,

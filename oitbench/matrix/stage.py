@@ -19,7 +19,7 @@ from oitbench.image.files import Channels
 from oitbench.image.stored import StoredImage
 from oitbench.measure import scene_statistics
 from oitbench.method.declaration import Method
-from oitbench.results.schema import COMPLEXITY, ReferenceFacts
+from oitbench.results.schema import COMPLEXITY, TRANSMITTANCE, ReferenceFacts
 from oitbench.results.statistics import SceneStatistics
 from oitbench.scene import Scene
 from oitbench.truths import EXACT
@@ -66,12 +66,15 @@ class Exact:
     ----------
     truth : Truth
     transmittance : array, shape (h, w, 3), float32
+    stored : StoredImage
+        The transmittance in the results folder.
     transparent : array, shape (h, w), bool
         Pixels with a transparent fragment.
     """
 
     truth: Truth
     transmittance: Image
+    stored: StoredImage
     transparent: npt.NDArray[np.bool_]
 
 
@@ -161,7 +164,8 @@ class Stage:
                 )
             truth = Truth(image, self.store(EXACT, files.image_channels(image)))
             transparent = blocks.max(axis=(1, 3)) > 0
-            self._exact[effects] = Exact(truth, transmittance, transparent)
+            stored = self.store(TRANSMITTANCE, files.image_channels(transmittance))
+            self._exact[effects] = Exact(truth, transmittance, stored, transparent)
         return self._exact[effects]
 
     def traced(

@@ -40,6 +40,8 @@ WHOLE = "whole"
 all effects that the scene requests."""
 COMPLEXITY = "complexity"
 """Key of `Outcome.images` for the map of depth complexity."""
+TRANSMITTANCE = "transmittance"
+"""Key of `Outcome.images` for the total transmittance of exact compositing."""
 
 
 class _Typed(Struct, frozen=True, forbid_unknown_fields=True):
@@ -159,10 +161,10 @@ class Outcome(_Typed, frozen=True):
     that ranks the scene with all of them. `images` are files below the results folder: `color`, the
     truths, and for each truth `flip_TRUTH`, the maps of FLIP (channel `ldr`) and HDR-FLIP (`hdr`).
     `complexity` among them holds the transparent fragments of each pixel (channel `fragments`),
-    which `statistics` sums up. `transparent_pixels` counts pixels of accuracy images with a
-    transparent fragment in any sub-pixel. `exposure` is in stops. `demands` are those of the method
-    with the effects that ran. `plan` is a digest of the targets, buffers and passes that the method
-    declared.
+    which `statistics` sums up, and `transmittance` that of all layers of a pixel under exact
+    compositing. `transparent_pixels` counts pixels of accuracy images with a transparent fragment
+    in any sub-pixel. `exposure` is in stops. `demands` are those of the method with the effects
+    that ran. `plan` is a digest of the targets, buffers and passes that the method declared.
     """
 
     parameters: dict[str, Value]

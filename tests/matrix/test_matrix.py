@@ -28,7 +28,7 @@ from oitbench.measure.timing import Timings
 from oitbench.method.demands import default_demands
 from oitbench.plugins import Collection
 from oitbench.results.records import Results
-from oitbench.results.schema import EffectNames, Nonfinite, Outcome, Record
+from oitbench.results.schema import TRANSMITTANCE, EffectNames, Nonfinite, Outcome, Record
 from oitbench.results.store import CELLS, read_cells
 from oitbench.truths import EXACT, FULL, MATCHED, TRACED
 from tests.helpers import method
@@ -83,6 +83,12 @@ def test_a_record_has_all_facts_for_reports(finished: Path) -> None:
     counts = Results.load(finished).complexity(record)
     assert counts is not None
     np.testing.assert_array_equal(counts, np.full(SIZE[::-1], layers))
+    passed = Results.load(finished).image(record, TRANSMITTANCE)
+    assert passed is not None
+    random = np.random.default_rng(layers)
+    random.uniform(1, 9, (layers, 4, 4))
+    expected = (1 - random.random((layers, 4, 4), dtype=np.float32)).prod(axis=0)
+    np.testing.assert_allclose(np.unique(passed), np.unique(expected), rtol=1e-5)
     heads = next(term for term in outcome.memory.terms if term.resource == "heads")
     assert heads.bytes == 4 * 32 * 32
     assert outcome.traffic.bytes == sum(term.bytes for term in outcome.traffic.terms)
