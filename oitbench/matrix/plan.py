@@ -190,7 +190,7 @@ def plan_matrix(
     grids = chosen.grids if ssaa is None else (ssaa,)
     if min(*size, *grids, workers) < 1:
         raise UsageError(
-            f"size {size[0]}x{size[1]}, ssaa {ssaa} and workers {workers} must be at least 1"
+            f"size {size[0]}x{size[1]}, ssaa {min(grids)} and workers {workers} must be at least 1"
         )
     for truth in truths:
         if truth not in TRUTHS:
@@ -236,12 +236,17 @@ def _preset_scenes(catalog: Catalog, preset: Preset) -> list[str]:
 
 def _preset_methods(catalog: Catalog, preset: Preset) -> list[str]:
     entries = [catalog.entry("method", name) for name in catalog.names("method")]
-    return [
-        selectors.selector(entry.name, selectors.grids(entry.parameters) if preset.grid else {})
-        if not preset.values
-        else selectors.selector(entry.name, preset.values)
+    chosen = [
+        entry
         for entry in entries
         if (preset.every or entry.quick) and preset.values.keys() <= entry.parameters.keys()
+    ]
+    return [
+        selectors.selector(
+            entry.name,
+            selectors.grids(entry.parameters) if preset.grid else preset.values,
+        )
+        for entry in chosen
     ]
 
 

@@ -50,14 +50,15 @@ def masks(
 
 
 def _blue(
-    column: npt.NDArray[np.int_], row: npt.NDArray[np.int_], stream: tuple[Words, ...], low: Words
+    column: npt.ArrayLike, row: npt.ArrayLike, stream: tuple[Words, ...], low: Words
 ) -> Words:
     """Return words whose high 12 bits are the mask, shifted by the hash of a stream."""
-    across, along, _ = pcg3d(*stream)
-    rank = void_and_cluster(SIDE, 1)[
-        (row + (along >> np.uint32(16))) % SIDE, (column + (across >> np.uint32(16))) % SIDE
-    ]
-    return np.asarray(rank.astype(np.uint32) << np.uint32(20) | low >> np.uint32(12))
+    x, y = (
+        (np.asarray(place) + (shift >> np.uint32(16))) % SIDE
+        for place, shift in zip((column, row), pcg3d(*stream)[:2], strict=True)
+    )
+    rank = void_and_cluster(SIDE, 1)[y, x].astype(np.uint32)
+    return np.asarray(rank << np.uint32(20) | low >> np.uint32(12))
 
 
 def composite(
