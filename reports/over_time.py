@@ -39,7 +39,8 @@ order = 37
 _FRAMES = "frames"
 _ACROSS = 2
 # Inches of the axes of one scene with their labels.
-_WIDTH, _HEIGHT = 4.7, 3.4
+_WIDTH, _HEIGHT = 4.7, 4.2
+_DECADE = 12
 _LINES = ("-", "--", "-.", ":")
 _MARKERS = ("o", "s", "^", "D", "v")
 
@@ -131,7 +132,9 @@ def _draw(axes: Axes, place: Place, curves: Sequence[Curve], methods: Sequence[s
     axes.grid(True, axis="both")
     axes.set_xscale("log", base=2)
     axes.set_yscale("log")
-    axes.xaxis.set_major_formatter("{x:g}")
+    for axis in (axes.xaxis, axes.yaxis):
+        axis.set_major_formatter("{x:g}")
+        axis.set_minor_formatter("")
     grids = sorted({curve.ssaa for curve in curves})
     for curve in curves:
         known = curve.errors
@@ -142,17 +145,30 @@ def _draw(axes: Axes, place: Place, curves: Sequence[Curve], methods: Sequence[s
             color=f"C{number}",
             linestyle=_LINES[grids.index(curve.ssaa) % len(_LINES)],
             marker=_MARKERS[number % len(_MARKERS)],
-            markersize=4,
+            markersize=5,
+            markerfacecolor="none",
             linewidth=1.2,
-            label=f"{curve.method}, ssaa {curve.ssaa}: {curve.slope:.2f}".replace("-", "−"),
+            label=f"{curve.method}, ssaa {curve.ssaa}: {_signed(curve.slope)}",
         )
+    # Expected lines of curves that hardly fall must not stretch the axis; a power of ten is on it.
+    low, high = axes.get_ylim()
+    axes.set_ylim(min(low, high / _DECADE), high)
+    for curve in curves:
+        known = curve.errors
         first = min(known)
         expected = [known[first] * math.sqrt(first / n) for n in known]
         axes.plot([*known], expected, color=figures.QUIET, linewidth=0.7, linestyle=":", zorder=1)
     axes.set_title(place[0])
     axes.set_xlabel("frames")
     axes.set_ylabel(f"RMSE to {TRUTHS[EXACT]}")
-    axes.legend(fontsize=6, frameon=False)
+    axes.legend(
+        fontsize=6.5, frameon=False, ncols=2, loc="upper center", bbox_to_anchor=(0.45, -0.16)
+    )
+
+
+def _signed(slope: float) -> str:
+    """Return a slope with two decimals and a true minus, and no sign of zero."""
+    return f"{round(slope, 2) + 0.0:.2f}".replace("-", "−")
 
 
 def _table(context: ReportContext, plots: Mapping[Place, Sequence[Curve]]) -> Artifact:
