@@ -155,6 +155,18 @@ def test_interleaved_passes_run_once_per_frame(device: Device) -> None:
         np.testing.assert_array_equal(frame.image(), render(device, lists, "sorted_two_pass"))
 
 
+@pytest.mark.parametrize("name", ["stochastic[frames=3]", "hashed_alpha[frames=3]"])
+def test_a_picture_that_is_drawn_again_has_the_same_random_numbers(
+    device: Device, name: str
+) -> None:
+    with opened(device, scene_of(random_lists(4)), name) as frame:
+        pictures = []
+        for _ in range(2):
+            frame.render()
+            pictures.append(frame.image())
+        np.testing.assert_array_equal(*pictures)
+
+
 def test_transmittance_is_accumulated_too(device: Device) -> None:
     glass = stack([Layer(1.0, 0.5, RED), Layer(2.0, 0.5, GREEN)])
     with opened(device, scene_of(glass, NOTHING), "hashed_alpha[frames=256]") as frame:
