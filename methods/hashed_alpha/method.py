@@ -41,7 +41,7 @@ class HashedAlpha(oit.Method):
         grid=("white", "blue"),
         help="of tau over the pixels of a surface",
     )
-    frames = oit.Parameter(1, low=1, high=1024, help="frames whose mean is the image")
+    frames = oit.Parameter(1, low=1, high=64, help="frames whose mean is the image")
 
     @property
     def promises(self) -> frozenset[str]:

@@ -62,7 +62,7 @@ class Stochastic(oit.Method):
     noise = oit.Parameter(
         "white", choices=("white", "blue"), grid=("white", "blue"), help="of xi over the pixels"
     )
-    frames = oit.Parameter(1, low=1, high=1024, help="frames whose mean is the image")
+    frames = oit.Parameter(1, low=1, high=64, help="frames whose mean is the image")
     precision = oit.Parameter("half", choices=("half", "float"), help="of T, sums and color")
     msaa = oit.Parameter(1, choices=(1, 4), help="samples per pixel of T, sums and color")
 

@@ -79,10 +79,10 @@ def test_errors_fall_with_the_root_of_the_number_of_frames(device: Device, name:
 
 def test_the_bias_of_a_correction_is_left(device: Device) -> None:
     name = "stochastic[samples=4,precision=float,frames={}]"
-    one, many = (errors(device, name, count) for count in (1, 256))
-    assert many.std() < 0.1 * one.std()
+    one, many = (errors(device, name, count) for count in (1, 64))
+    assert many.std() < 0.2 * one.std()
     assert abs(many.mean(axis=0)).max() == pytest.approx(abs(one.mean(axis=0)).max(), rel=0.3)
-    assert abs(many.mean(axis=0)).max() > 20 * many.std(axis=0).max() / 64
+    assert abs(many.mean(axis=0)).max() > 10 * many.std(axis=0).max() / 64
 
 
 @pytest.mark.parametrize("name", ["stochastic", "stochastic[samples=64]", "hashed_alpha"])
@@ -160,16 +160,15 @@ def test_a_picture_that_is_drawn_again_has_the_same_random_numbers(
     device: Device, name: str
 ) -> None:
     with opened(device, scene_of(random_lists(4)), name) as frame:
-        pictures = []
-        for _ in range(2):
-            frame.render()
-            pictures.append(frame.image())
-        np.testing.assert_array_equal(*pictures)
+        frame.render()
+        first = frame.image()
+        frame.render()
+        np.testing.assert_array_equal(frame.image(), first)
 
 
 def test_transmittance_is_accumulated_too(device: Device) -> None:
     glass = stack([Layer(1.0, 0.5, RED), Layer(2.0, 0.5, GREEN)])
-    with opened(device, scene_of(glass, NOTHING), "hashed_alpha[frames=256]") as frame:
+    with opened(device, scene_of(glass, NOTHING), "hashed_alpha[frames=64]") as frame:
         frame.render(transmittance=True)
         assert frame.image().mean() == pytest.approx(0.25, abs=0.02)
 
