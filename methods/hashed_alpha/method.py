@@ -12,19 +12,19 @@ One geometry pass writes color and its own depth buffer: 32 bits per pixel, no b
 resolve.
 
 With `noise=blue`, tau comes from a blue-noise mask over the pixels, shifted at random for each
-primitive. Behind one layer, a sixth of the low frequencies of the error is left, behind three
-layers two thirds. The pattern does not stick to surfaces then, and depends on the order of the
-draws. The image of `frames` is the mean of pictures with other thresholds each; 16 bytes per pixel
-hold the sum.
+primitive and frame. Behind one layer, a sixth of the low frequencies of the error is left, behind
+three layers two thirds. The pattern does not stick to surfaces then, and depends on the order of
+the draws. The image of `frames` is the mean of pictures with other thresholds each; 16 bytes per
+pixel hold the sum.
 
 Sources: Wyman & McGuire 2017, "Hashed Alpha Testing", I3D; Georgiev & Fajardo 2016, "Blue-noise
-dithered sampling". The hash of the former, fract(1e4 sin ...), is not
-uniform in single precision (on planes at 24 distances a Kolmogorov-Smirnov test finds a median of
-1.35 / sqrt(n) where chance gives 0.83) and differs between drivers; here cells are hashed as
-integers.
+dithered sampling". The hash of the former, fract(1e4 sin ...), is not uniform in single precision
+(on planes at 24 distances a Kolmogorov-Smirnov test finds a median of 1.35 / sqrt(n) where chance
+gives 0.83) and differs between drivers; here cells are hashed as integers.
 
 Known failures: noise of one sample per pixel. Layers that are closer than a cell share a threshold
-and transmit more light than their product. Light from surfaces without coverage (o = 0) is lost.
+and transmit more light than their product, except with `noise=blue`. Light from surfaces without
+coverage (o = 0) is lost.
 """
 
 import oitbench as oit
