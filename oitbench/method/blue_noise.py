@@ -29,11 +29,11 @@ def void_and_cluster(side: int, seed: int) -> npt.NDArray[np.int64]:
     """Return the ranks of a mask, shape (side, side): each of 0 to side² − 1 once.
 
     Points are put on a torus one after another, each into the largest void of those before it: the
-    free place at which the sum of Gaussians around all points is least. The first tenth starts at
-    random, and a point moves from the tightest cluster to the largest void as long as that changes
-    anything; its ranks follow from removing the tightest cluster again and again. Filling up beyond
-    one half takes the largest voids too, since the Gaussians of points and of free places have a
-    constant sum.
+    free place with the least energy, which is the sum of Gaussians around all points. The first
+    tenth starts at random, and a point moves from the tightest cluster to the largest void as long
+    as it finds less energy there; its ranks follow from removing the tightest cluster again and
+    again. Filling up beyond one half takes the largest voids too, since the Gaussians of points and
+    of free places have a constant sum.
 
     Source: Ulichney 1993, "The void-and-cluster method for dither array generation", SPIE 1913.
 
@@ -87,6 +87,10 @@ class _Pattern:
         row, column = (self._side - part for part in divmod(place, self._side))
         return self._kernels[row : row + self._side, column : column + self._side]
 
+    def energy(self, place: int) -> int:
+        """Return the sum of the Gaussians at a place."""
+        return int(self._energy.reshape(-1)[place])
+
     def put(self, place: int) -> None:
         """Add a point."""
         self._points[place] = True
@@ -108,14 +112,15 @@ class _Pattern:
 
 
 def _spread(pattern: _Pattern) -> None:
-    """Move points from the tightest cluster to the largest void until one would move back."""
+    """Move points from the tightest cluster to the largest void as long as that lowers energy."""
     while True:
         cluster = pattern.tightest_cluster()
         pattern.remove(cluster)
         void = pattern.largest_void()
-        pattern.put(void)
-        if void == cluster:
+        if pattern.energy(void) >= pattern.energy(cluster):
+            pattern.put(cluster)
             return
+        pattern.put(void)
 
 
 def thresholds() -> npt.NDArray[np.float32]:
