@@ -9,6 +9,9 @@ Which samples a fragment takes is up to the driver; OpenGL demands no sample for
 o = 1, and more for a larger o. Some drivers have S + 1 masks (llvmpipe among them), others dither
 them over neighboring pixels.
 
+The method has no random numbers, and no parameters `noise` and `frames`: the masks of the hardware
+are the same in every frame, and noise in the opacity would leave them nested.
+
 Memory is 4 S bytes per pixel of depth, besides the color of S samples. A first pass copies the
 depth of the opaque picture.
 

@@ -11,13 +11,20 @@ about `scale` pixels, so that the pattern sticks to surfaces as the camera moves
 One geometry pass writes color and its own depth buffer: 32 bits per pixel, no blending, no
 resolve.
 
-Source: Wyman & McGuire 2017, "Hashed Alpha Testing", I3D. Their hash, fract(1e4 sin ...), is not
-uniform in single precision (on planes at 24 distances a Kolmogorov-Smirnov test finds a median of
-1.35 / sqrt(n) where chance gives 0.83) and differs between drivers; here cells are hashed as
-integers.
+With `noise=blue`, tau comes from a blue-noise mask over the pixels, shifted at random for each
+primitive and frame. Behind one layer, a sixth of the low frequencies of the error is left, behind
+three layers two thirds. The pattern does not stick to surfaces then, and depends on the order of
+the draws. The image of `frames` is the mean of pictures with other thresholds each; 16 bytes per
+pixel hold the sum.
+
+Sources: Wyman & McGuire 2017, "Hashed Alpha Testing", I3D; Georgiev & Fajardo 2016, "Blue-noise
+dithered sampling". The hash of the former, fract(1e4 sin ...), is not uniform in single precision
+(on planes at 24 distances a Kolmogorov-Smirnov test finds a median of 1.35 / sqrt(n) where chance
+gives 0.83) and differs between drivers; here cells are hashed as integers.
 
 Known failures: noise of one sample per pixel. Layers that are closer than a cell share a threshold
-and transmit more light than their product. Light from surfaces without coverage (o = 0) is lost.
+and transmit more light than their product, except with `noise=blue`. Light from surfaces without
+coverage (o = 0) is lost.
 """
 
 import oitbench as oit
@@ -28,12 +35,25 @@ class HashedAlpha(oit.Method):
     noisy = True
     expresses = oit.Effect.COVERAGE
     scale = oit.Parameter(1.0, low=0.01, high=64.0, help="side of a cell in pixels")
-    promises = oit.promise(
-        "order_independent opaque_front_hides zero_coverage_ignored scales_with_radiance"
+    noise = oit.Parameter(
+        "white",
+        choices=("white", "blue"),
+        grid=("white", "blue"),
+        help="of tau over the pixels of a surface",
     )
+    frames = oit.Parameter(1, low=1, high=64, help="frames whose mean is the image")
+
+    @property
+    def promises(self) -> frozenset[str]:
+        kept = oit.promise("opaque_front_hides zero_coverage_ignored scales_with_radiance")
+        return kept | oit.promise("order_independent" if self.noise == "white" else "")
 
     def plan(self, request: oit.Request) -> oit.Plan:
+        mask = ("blue_noise",) if self.noise == "blue" else ()
         test = oit.Gather(
-            "test.glsl", reads=("opaque_depth",), writes={"color": oit.REPLACE}, depth="depth"
+            "test.glsl",
+            reads=("opaque_depth", *mask),
+            writes={"color": oit.REPLACE},
+            depth="depth",
         )
         return oit.Plan({"depth": oit.Target("depth32f")}, (test,))

@@ -2,7 +2,9 @@
 #include "oitbench/random.glsl"
 
 float hash_cell(vec3 cell) {
-    return unit_interval(hash(uvec3(ivec3(floor(cell)))).x);
+    // Thresholds of the first frame are fixed in the scene; each further frame has its own.
+    uvec3 stream = frame_number == 0u ? uvec3(0u) : hash(uvec3(frame_number));
+    return unit_interval(hash(uvec3(ivec3(floor(cell))) + stream).x);
 }
 
 float threshold(vec3 position) {

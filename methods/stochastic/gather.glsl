@@ -1,5 +1,7 @@
 // Adds the fragment by the fraction of samples at which it is visible.
+#if CORRECTION != CORRECTION_DEPTH
 #include "mask.glsl"
+#endif
 
 // Rasterized with several samples, a surface's distance at a pixel's center differs from that
 // with one by some last bits (up to 2e-6 of it, on surfaces seen edge on).

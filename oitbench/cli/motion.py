@@ -42,7 +42,7 @@ from oitbench.views import MAIN, seen
     help="Camera with which an orbit begins; `oitbench list scenes` prints the names.",
 )
 @options.size("256x256", "Size of each frame in pixels.")
-@options.ssaa
+@options.ssaa(2)
 @click.option(
     "--out",
     type=click.Path(file_okay=False, path_type=Path),

@@ -92,13 +92,19 @@ memory = click.option(
     help="Memory that each worker process may use, in GiB; work that needs more fails."
     " Default: 75 % of the machine's memory, divided by the number of workers.",
 )
-ssaa = click.option(
-    "--ssaa",
-    type=click.IntRange(1, 16),
-    default=2,
-    show_default=True,
-    help="Side of the sub-pixel grid of accuracy images.",
-)
+
+
+def ssaa(default: int | None, text: str = "") -> Callable[[Command], Command]:
+    """Return the option `--ssaa`; `text` explains a default of None."""
+    return click.option(
+        "--ssaa",
+        type=click.IntRange(1, 16),
+        default=default,
+        show_default=default is not None,
+        help=f"Side of the sub-pixel grid of accuracy images. {text}".strip(),
+    )
+
+
 _SETTINGS = "; ".join(f"{name}: {item.help}" for name, item in PARAMETERS.items())
 shading = click.option(
     "--shading",

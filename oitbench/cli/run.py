@@ -23,10 +23,11 @@ _WIDE = 200
 @click.command()
 @click.option(
     "--preset",
-    type=click.Choice(["quick", "standard", "paper", "guard"]),
+    type=click.Choice(["quick", "standard", "paper", "guard", "noise"]),
     default="quick",
     show_default=True,
-    help="Size, parameter grid and rounds of timing.",
+    help="Size, parameter grid and rounds of timing. noise: random methods over 1 to 64 frames,"
+    " with and without sub-pixels.",
 )
 @click.option(
     "--scene",
@@ -42,7 +43,7 @@ _WIDE = 200
     help="NAME[param=v,w], or the folder of a method. Repeatable. Default: all of the preset.",
 )
 @options.size(None, "Pixels of the image. Default: the preset's.")
-@options.ssaa
+@options.ssaa(None, "Default: 2; noise: 1 and 2.")
 @options.effects_axis
 @options.shading
 @options.views
@@ -87,7 +88,7 @@ def command(
     scenes: tuple[str, ...],
     methods: tuple[str, ...],
     size: tuple[int, int] | None,
-    ssaa: int,
+    ssaa: int | None,
     effects: tuple[str, ...],
     truths: tuple[str, ...],
     shading: tuple[str, ...],

@@ -10,12 +10,12 @@ import numpy as np
 import numpy.typing as npt
 
 from oitbench.effects import SHADING, Effect
-from oitbench.errors import CapabilityError, UsageError
-from oitbench.gl.device import Device
+from oitbench.errors import CapabilityError
 from oitbench.gl.draws.chain import Measurement
 from oitbench.gl.draws.executor import CompiledStep, Executor
 from oitbench.gl.draws.orders import DrawOrders
 from oitbench.gl.draws.records import Lap, PassRecord, Term, no_lap
+from oitbench.gl.limits import check_loops, check_size
 from oitbench.gl.ownership import Owner
 from oitbench.gl.plan import FramePlan
 from oitbench.gl.program.passes import Blueprint, CompiledPass, attach, compile_pass
@@ -186,7 +186,7 @@ class Frame(Owner):
     def _count(self) -> None:
         """Count the fragments, and refuse more of them than the driver's loops can have steps."""
         self.complexity = self.scene.fragment_counts(self.plan.size, self.plan.effects)
-        _check_loops(self.device, self._method, int(self.complexity.max()))
+        check_loops(self.device, self._method, int(self.complexity.max()))
 
     def _follow(self) -> None:
         """Look from the camera where it is now, if it has moved since the last frame."""
@@ -328,20 +328,38 @@ class Frame(Owner):
     def _draw(
         self, records: list[PassRecord] | None, check: bool, lap: Lap = no_lap
     ) -> Counts | None:
-        """Clear targets and buffers, and issue all passes.
+        """Clear targets and buffers, and issue all passes of all frames whose mean is the image.
 
         Returns
         -------
         array or None
             Records that each tile needs, if `check` found that some did not fit.
         """
+        self.resources.take_counts()
+        self.resources.requested = 0
+        missing: Counts | None = None
+        for number in range(self.plan.frames):
+            if number:
+                self._executor.set_frame(number)
+                self.restore()
+            needed = self._draw_frame(number, records, check, lap)
+            if needed is not None:
+                missing = needed if missing is None else np.maximum(missing, needed)
+        if self.plan.frames > 1:
+            self._executor.set_frame(0)
+        return missing
+
+    def _draw_frame(
+        self, number: int, records: list[PassRecord] | None, check: bool, lap: Lap
+    ) -> Counts | None:
+        """Draw one of the frames; see `_draw`."""
         resources, size = self.resources, self.plan.size
-        resources.take_counts()
-        resources.requested = 0
         missing: Counts | None = None
         for region in resources.regions:
             scissor = region.scissor(size)
             for name, target in self.plan.targets.items():
+                if number >= self.plan.clears(name):
+                    continue
                 self._framebuffers[name].use()
                 whole = (0, 0, *target.size(size))
                 self._framebuffers[name].scissor = scissor if target.subsample == 1 else whole
@@ -378,21 +396,3 @@ class Frame(Owner):
             return read_texels(self.device, self.textures[target], size, entry)
         framebuffer = self._framebuffers.get(target)
         return read_averaged(self.device, target, framebuffer, size, entry)
-
-
-def check_size(device: Device, size: tuple[int, int]) -> None:
-    """Raise `UsageError` unless the driver can render a frame of `size`."""
-    if min(size) < 1 or max(size) > device.max_side:
-        raise UsageError(
-            f"size {size[0]}x{size[1]} (sub-pixels included) is outside 1 to {device.max_side},"
-            " the driver's limit"
-        )
-
-
-def _check_loops(device: Device, method: Method, fragments: int) -> None:
-    """Raise `CapabilityError` if the driver would end the method's loops early."""
-    if device.loop_limit is not None and method.loop_steps(fragments) > device.loop_limit:
-        raise CapabilityError(
-            f"{method.label}: {fragments} fragments at one pixel; {device.renderer} ends all loops"
-            f" after {device.loop_limit} steps"
-        )

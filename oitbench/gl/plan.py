@@ -14,9 +14,11 @@ from oitbench.errors import DeclarationError
 from oitbench.gl.capabilities import FETCH, SPIN_LOCK
 from oitbench.gl.program.bindings import Bindings
 from oitbench.gl.program.prelude import parameter_macros
+from oitbench.method.blending import ADD, REPLACE
 from oitbench.method.declaration import Method, Request, plan_of
 from oitbench.method.demands import NOTHING, Demands, demands_of
 from oitbench.method.passes import (
+    BLUE_NOISE,
     OPAQUE_COLOR,
     OPAQUE_DEPTH,
     Gather,
@@ -30,6 +32,12 @@ from oitbench.method.steps import all_passes, check_pass, is_programmable, namea
 from oitbench.method.storage import Buffer, Items, Target
 
 Size = tuple[int, int]
+ACCUMULATED = "accumulated"
+"""The target that holds the sum of all frames so far."""
+_ACCUMULATION = (
+    Resolve("oitbench/accumulate.glsl", reads=("color",), writes={ACCUMULATED: ADD}),
+    Resolve("oitbench/mean.glsl", reads=(ACCUMULATED,), writes={"color": REPLACE}),
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,6 +71,8 @@ class FramePlan:
         Parameters of the method as `#define`s.
     demands : Demands
         What the declaration demands of any platform.
+    frames : int
+        Frames whose mean is the image; each issues all steps.
     """
 
     label: str
@@ -78,6 +88,7 @@ class FramePlan:
     folders: tuple[Path, ...] = ()
     macros: str = ""
     demands: Demands = NOTHING
+    frames: int = 1
 
     @classmethod
     def of(
@@ -118,10 +129,16 @@ class FramePlan:
             blending = mechanism if isinstance(mechanism, str) else mechanism(method.sample_count)
         if blending == SPIN_LOCK:
             targets["lock"] = Target("r32ui")
+        steps, frames = declared.passes, method.frame_count
+        if frames > 1:
+            if ACCUMULATED in targets:
+                raise DeclarationError(f"{method.name}: rename the target '{ACCUMULATED}'")
+            targets[ACCUMULATED] = Target("rgba32f")
+            steps = (*steps, *_ACCUMULATION)
         plan = cls(
             method.label, size, effects, blending, targets, declared.color,
-            declared.buffers, declared.passes, Bindings.of(declared.buffers, counted),
-            method.sample_count, method.folders, parameter_macros(method),
+            declared.buffers, steps, Bindings.of(declared.buffers, counted),
+            method.sample_count, method.folders, parameter_macros(method), frames=frames,
         )  # fmt: skip
         try:
             plan.check()
@@ -154,12 +171,21 @@ class FramePlan:
     @cached_property
     def declared(self) -> Mapping[str, Target]:
         """All targets that passes can name, including those of the frame itself."""
-        return nameable(self.targets, self.color)
+        return nameable(self.targets, self.color, self.steps)
 
     @cached_property
     def passes(self) -> tuple[Pass, ...]:
         """All passes in order; a measured frame has one record for each."""
         return tuple(all_passes(self.steps))
+
+    @property
+    def reads_mask(self) -> bool:
+        """Whether a pass reads the mask of blue noise."""
+        return any(BLUE_NOISE in item.reads for item in self.passes)
+
+    def clears(self, target: str) -> int:
+        """Return how often a target is cleared: in each frame, or before the first one."""
+        return 1 if target == ACCUMULATED else self.frames
 
     @property
     def listed(self) -> list[str]:
@@ -208,7 +234,7 @@ class FramePlan:
         """A digest of everything that the method declares: frames of one cell must agree in it."""
         declared = (
             self.label, self.effects, self.targets, self.color, self.buffers, self.steps,
-            self.samples, self.macros,
+            self.samples, self.macros, self.frames,
         )  # fmt: skip
         return hashlib.sha256(repr(declared).encode()).hexdigest()[:16]
 

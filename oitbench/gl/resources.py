@@ -14,7 +14,9 @@ from oitbench.gl.ownership import Owner
 from oitbench.gl.plan import FramePlan
 from oitbench.gl.program.bindings import Access
 from oitbench.gl.tiling import ALLOCATOR_STRIDE, TILE, Counts, Region, split
+from oitbench.method.blue_noise import MASK, SIDE, thresholds
 from oitbench.method.formats import GLSL_BYTES
+from oitbench.method.passes import BLUE_NOISE
 from oitbench.method.storage import Items
 
 
@@ -64,6 +66,10 @@ class Resources(Owner):
             samples = self._plan.samples_of(name)
             texture = self._device.texture(target.size(self._plan.size), target.texel, samples)
             self.textures[name] = self.own(texture)
+        if self._plan.reads_mask:
+            mask = self.own(self._device.texture((SIDE, SIDE), MASK.texel))
+            mask.write(thresholds().tobytes())
+            self.textures[BLUE_NOISE] = mask
         for name, buffer in self._plan.buffers.items():
             if buffer.items is Items.PIXELS:
                 self._allocate(name, width * height)

@@ -21,8 +21,8 @@ from oitbench.scene import (
 )
 from oitbench.scene.checks import require, single_precision
 
-ITERATION_OFFSET = 160
-"""Byte offset of `iteration` in the block."""
+ITERATION_OFFSET, FRAME_OFFSET = 160, 164
+"""Byte offsets of `iteration` and `frame_number` in the block."""
 _LEAST_NEAR = 1e-30
 """Meters; single precision holds the reciprocals of such distances."""
 _MARGIN = 0.02

@@ -13,7 +13,8 @@ import msgspec
 from oitbench.effects import Effect, names
 from oitbench.errors import CapabilityError, DeclarationError, OitbenchError, StorageError
 from oitbench.gl.device import Device
-from oitbench.gl.frame import Frame, Image, check_size
+from oitbench.gl.frame import Frame, Image
+from oitbench.gl.limits import check_size
 from oitbench.gl.plan import FramePlan
 from oitbench.gl.uploaded_scene import UploadedScene
 from oitbench.image import metrics, stored

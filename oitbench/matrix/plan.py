@@ -13,6 +13,7 @@ from oitbench.effects import Effect
 from oitbench.errors import UsageError, unknown
 from oitbench.matrix.cell import Cell, choose_effects
 from oitbench.method.ablation import EACH, REQUESTED
+from oitbench.parameters import Value
 from oitbench.places import PluginFiles
 from oitbench.shading import parse_shading
 from oitbench.truths import EXACT, TRUTHS
@@ -44,6 +45,10 @@ class Preset:
         Run all methods and scenes, or only those that are `quick`.
     truths : tuple of str
         Keys of the truths to score against by default.
+    grids : tuple of int
+        Sides of the sub-pixel grids of accuracy images.
+    values : mapping of str to tuple
+        Values of parameters that are run; methods that lack one of these parameters are not.
     """
 
     size: tuple[int, int]
@@ -53,6 +58,8 @@ class Preset:
     permutations: int = 4
     every: bool = True
     truths: tuple[str, ...] = tuple(TRUTHS)
+    grids: tuple[int, ...] = (2,)
+    values: Mapping[str, tuple[Value, ...]] = field(default_factory=dict)
 
 
 PRESETS = {
@@ -61,6 +68,18 @@ PRESETS = {
     "paper": Preset((1280, 720), grid=True, rounds=31, budget=600.0, permutations=16),
     # For checks against a baseline: metrics and counts, which every run repeats.
     "guard": Preset((128, 128), grid=False, rounds=0, budget=0.0, truths=(EXACT,)),
+    # Methods with random numbers over time. Sub-pixels multiply their samples, so they also run
+    # without any.
+    "noise": Preset(
+        (256, 256),
+        grid=False,
+        rounds=0,
+        budget=0.0,
+        permutations=0,
+        truths=(EXACT,),
+        grids=(1, 2),
+        values={"noise": ("white", "blue"), "frames": (1, 2, 4, 8, 16, 32, 64)},
+    ),
 }
 
 
@@ -111,7 +130,7 @@ def plan_matrix(
     preset: str = "quick",
     size: tuple[int, int] | None = None,
     effects: Sequence[str] = (REQUESTED,),
-    ssaa: int = 2,
+    ssaa: int | None = None,
     out: Path | str = "results",
     collections: Iterable[Path | str] = (),
     seed: int = 1,
@@ -137,8 +156,8 @@ def plan_matrix(
     effects : sequence of str
         An axis of the matrix: see `Cell.effects`. "each" selects "requested" and, for every
         effect that the scene requests and that changes the method's picture, "-name".
-    ssaa : int
-        Side of the sub-pixel grid of accuracy images.
+    ssaa : int, optional
+        Side of the sub-pixel grid of accuracy images. Default: those of the preset.
     out : path
         The results folder.
     collections : iterable of path
@@ -165,9 +184,10 @@ def plan_matrix(
         raise UsageError(f"unknown preset '{preset}'; choose from {', '.join(PRESETS)}")
     chosen = PRESETS[preset]
     size = size or chosen.size
-    if min(*size, ssaa, workers) < 1:
+    grids = chosen.grids if ssaa is None else (ssaa,)
+    if min(*size, *grids, workers) < 1:
         raise UsageError(
-            f"size {size[0]}x{size[1]}, ssaa {ssaa} and workers {workers} must be at least 1"
+            f"size {size[0]}x{size[1]}, ssaa {min(grids)} and workers {workers} must be at least 1"
         )
     for truth in truths:
         if truth not in TRUTHS:
@@ -188,10 +208,11 @@ def plan_matrix(
         chosen_scenes = catalog.expand_scenes(scenes or _preset_scenes(catalog, chosen))
         chosen_methods = catalog.expand_methods(methods or _preset_methods(catalog, chosen))
         pairs = [
-            (Cell(scene.label, method.label, size, ssaa, effect, *settings, one, view), error)
+            (Cell(scene.label, method.label, size, grid, effect, *settings, one, view), error)
             for scene in chosen_scenes
             for view in cameras
             for one in shadings
+            for grid in grids
             for method, axis in _expand_effects(catalog, scene, chosen_methods, effects, timeout)
             for effect in axis
             for error in [scene.error or method.error]
@@ -212,10 +233,17 @@ def _preset_scenes(catalog: Catalog, preset: Preset) -> list[str]:
 
 def _preset_methods(catalog: Catalog, preset: Preset) -> list[str]:
     entries = [catalog.entry("method", name) for name in catalog.names("method")]
-    return [
-        selectors.selector(entry.name, selectors.grids(entry.parameters) if preset.grid else {})
+    chosen = [
+        entry
         for entry in entries
-        if preset.every or entry.quick
+        if (preset.every or entry.quick) and preset.values.keys() <= entry.parameters.keys()
+    ]
+    return [
+        selectors.selector(
+            entry.name,
+            selectors.grids(entry.parameters) if preset.grid else preset.values,
+        )
+        for entry in chosen
     ]
 
 

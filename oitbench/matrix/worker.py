@@ -11,8 +11,9 @@ import numpy as np
 from msgspec import Struct
 
 from oitbench.errors import UsageError
-from oitbench.gl.frame import Frame, check_size
+from oitbench.gl.frame import Frame
 from oitbench.gl.frame_targets import choose, targets_of
+from oitbench.gl.limits import check_size
 from oitbench.gl.uploaded_scene import UploadedScene
 from oitbench.image import files
 from oitbench.image.values import Show

@@ -34,13 +34,13 @@ def traffic(frame: Frame, measured: FrameMeasurement) -> Traffic:
     """
     plan, pixels = frame.plan, frame.plan.size[0] * frame.plan.size[1]
     terms = [
-        Term("clear", name, "clear", plan.texels(name), target.texel.bytes)
+        Term("clear", name, "clear", plan.texels(name) * plan.clears(name), target.texel.bytes)
         for name, target in plan.targets.items()
     ]
     for name, buffer in plan.buffers.items():
         if buffer.clear is not None:
             items = pixels if buffer.items is Items.PIXELS else frame.resources.records(name)
-            terms.append(Term("clear", name, "clear", items, buffer.record_bytes))
+            terms.append(Term("clear", name, "clear", items * plan.frames, buffer.record_bytes))
     for step, record in zip(plan.passes, measured.passes, strict=True):
         terms += terms_of(step, record, plan.declared, plan.texels, plan.buffers)
     return _traffic(terms)

@@ -18,7 +18,8 @@ import numpy.typing as npt
 
 from oitbench.errors import CapabilityError, UsageError
 from oitbench.gl.device import Device
-from oitbench.gl.frame import Frame, check_size
+from oitbench.gl.frame import Frame
+from oitbench.gl.limits import check_size
 from oitbench.gl.probe import probe
 from oitbench.gl.uploaded_scene import UploadedScene
 from oitbench.measure.oracle import composite, transmittances

@@ -10,7 +10,7 @@ from msgspec import Struct
 
 from oitbench.effects import names
 from oitbench.gl.device import Device
-from oitbench.gl.frame import check_size
+from oitbench.gl.limits import check_size
 from oitbench.gl.uploaded_scene import UploadedScene
 from oitbench.measure import scene_statistics, visibility
 from oitbench.measure.scene_statistics import views_of

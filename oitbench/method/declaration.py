@@ -64,12 +64,12 @@ class Plan:
     @property
     def declared(self) -> dict[str, Target]:
         """All targets that passes can name, including those of the frame itself."""
-        return nameable(self.targets, self.color)
+        return nameable(self.targets, self.color, self.passes)
 
 
 _MEMBERS = (
-    "expresses", "loop_steps", "may_be_negative", "noisy", "plan", "promises", "quick",
-    "record_step", "requires", "sample_count", "truth", "views",
+    "expresses", "frame_count", "loop_steps", "may_be_negative", "noisy", "plan", "promises",
+    "quick", "record_step", "requires", "sample_count", "truth", "views",
 )  # fmt: skip
 """Members of a method that its class can override."""
 
@@ -167,6 +167,15 @@ class Method:
         passes over pixels run once per sample.
         """
         return int(self.values.get("msaa", 1))
+
+    @property
+    def frame_count(self) -> int:
+        """Frames whose mean is the image: 1, or several with random numbers of their own.
+
+        A parameter `frames` sets it. All passes run once per frame, and shaders read the frame as
+        the uniform `frame_number`. Colors are added up in `accumulated`, in 32-bit floats.
+        """
+        return int(self.values.get("frames", 1))
 
     @property
     def record_step(self) -> float:

@@ -12,6 +12,8 @@ from oitbench.method.blending import Blend
 
 OPAQUE_DEPTH, OPAQUE_COLOR = "opaque_depth", "opaque_color"
 """Targets of the engine that passes may read."""
+BLUE_NOISE = "blue_noise"
+"""The engine's mask of thresholds, which passes may read; it repeats over the frame."""
 
 
 class Objects(enum.Enum):
@@ -47,7 +49,8 @@ class Gather:
     shader : str
         File of the method's folder or its collection's `glsl/`, or `KIT/FILE.glsl`.
     reads : tuple of str
-        Targets that the shader reads with `read_NAME()`; also `opaque_color` and `opaque_depth`.
+        Targets that the shader reads with `read_NAME()`; also `opaque_color`, `opaque_depth` and
+        `blue_noise` (see `oitbench.method.blue_noise`).
     writes : mapping of str to Blend
         Targets that the shader writes by name. `color` is the frame's image; it starts as the
         opaque picture.

@@ -7,7 +7,9 @@ from collections.abc import Iterable, Iterator, Mapping
 from typing import Literal
 
 from oitbench.errors import DeclarationError, unknown
+from oitbench.method.blue_noise import MASK
 from oitbench.method.passes import (
+    BLUE_NOISE,
     OPAQUE_COLOR,
     OPAQUE_DEPTH,
     Gather,
@@ -31,10 +33,21 @@ def all_passes(steps: Iterable[Step]) -> Iterator[Pass]:
         yield from passes_of(step)
 
 
-def nameable(targets: Mapping[str, Target], color: Target) -> dict[str, Target]:
-    """Return all targets that passes can name, including those of the frame itself."""
+def nameable(
+    targets: Mapping[str, Target], color: Target, steps: Iterable[Step]
+) -> dict[str, Target]:
+    """Return all targets that passes can name, with those of the frame, and the mask if it is read.
+
+    Parameters
+    ----------
+    targets : mapping of str to Target
+    color : Target
+        Of the frame.
+    steps : iterable of Step
+    """
     frame = {"color": color, OPAQUE_COLOR: color, OPAQUE_DEPTH: Target("depth32f")}
-    return {**targets, **frame}
+    mask = {BLUE_NOISE: MASK} if any(BLUE_NOISE in item.reads for item in all_passes(steps)) else {}
+    return {**targets, **frame, **mask}
 
 
 def accesses_of(item: Pass) -> Iterator[tuple[str, Literal["read", "blend", "write"]]]:

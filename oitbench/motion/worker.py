@@ -11,7 +11,7 @@ from msgspec import Struct
 from oitbench.errors import SceneError
 from oitbench.filenames import file_name
 from oitbench.gl.device import Device
-from oitbench.gl.frame import check_size
+from oitbench.gl.limits import check_size
 from oitbench.image import files, stored
 from oitbench.image.files import Image
 from oitbench.image.stored import StoredImage

@@ -50,17 +50,24 @@ def allowed(precision: str, additions: int) -> float:
     samples=st.sampled_from([4, 12, 32, 48, 64]),
     seed=st.integers(0, 65535),
     precision=st.sampled_from(["half", "float"]),
+    noise=st.sampled_from(["white", "blue"]),
 )
-@example(count=5, correction="none", samples=64, seed=3, precision="float")
-@example(count=5, correction="alpha", samples=48, seed=4, precision="float")
-@example(count=5, correction="depth", samples=64, seed=5, precision="float")
+@example(count=5, correction="none", samples=64, seed=3, precision="float", noise="blue")
+@example(count=5, correction="alpha", samples=48, seed=4, precision="float", noise="white")
+@example(count=5, correction="depth", samples=64, seed=5, precision="float", noise="blue")
 def test_pictures_follow_the_model(
-    device: Device, count: int, correction: str, samples: int, seed: int, precision: str
+    device: Device,
+    count: int,
+    correction: str,
+    samples: int,
+    seed: int,
+    precision: str,
+    noise: str,
 ) -> None:
     lists = random_lists(count, seed=seed)
-    name = f"stochastic[samples={samples},correction={correction},precision={precision}]"
-    expected = composite(lists, BACKGROUND, samples, correction)
-    found = render(device, lists, name)
+    chosen = f"samples={samples},correction={correction},precision={precision},noise={noise}"
+    expected = composite(lists, BACKGROUND, samples, correction, noise=noise)
+    found = render(device, lists, f"stochastic[{chosen}]")
     assert abs(found - expected).max() <= allowed(precision, count * -(-samples // 32))
 
 

@@ -16,7 +16,7 @@ from oitbench.gl.draws.records import PassRecord, no_lap
 from oitbench.gl.program.bindings import Access
 from oitbench.gl.program.passes import CompiledPass
 from oitbench.gl.tiling import Scissor
-from oitbench.gl.view import ITERATION_OFFSET
+from oitbench.gl.view import FRAME_OFFSET, ITERATION_OFFSET
 from oitbench.method.passes import Gather, Interleaved, Loop, Step
 
 
@@ -117,7 +117,7 @@ class Executor:
     ) -> None:
         done = 0
         for number in itertools.count() if loop.times is None else range(loop.times):
-            self._set_iteration(number)
+            self._set(ITERATION_OFFSET, number)
             empty = False
             for index, item in enumerate(compiled.rounds[number % len(compiled.rounds)]):
                 queried = item.step.name == loop.until_empty
@@ -131,11 +131,15 @@ class Executor:
             for one, other in loop.swaps:
                 self._copy(other, one)
             lap(first + len(loop.passes) - 1)
-        self._set_iteration(0)
+        self._set(ITERATION_OFFSET, 0)
 
-    def _set_iteration(self, iteration: int) -> None:
+    def set_frame(self, number: int) -> None:
+        """Set the number of the frame that shaders see."""
+        self._set(FRAME_OFFSET, number)
+
+    def _set(self, offset: int, number: int) -> None:
         for view in self._views.values():
-            view.write(np.uint32(iteration).tobytes(), offset=ITERATION_OFFSET)
+            view.write(np.uint32(number).tobytes(), offset=offset)
 
 
 @dataclass(frozen=True)
@@ -151,11 +155,12 @@ class _Draws:
 
     def interleave(self, compiled: CompiledStep) -> None:
         """Draw all passes for one unit before the next unit."""
+        runs = [record.runs for record in self.records or ()]
         for first, count in self.orders[compiled.passes[0].draws].units:
             for index, item in enumerate(compiled.passes):
                 self.draw(index, item, (int(first), int(count)))
-        for record in self.records or ():
-            record.runs = 1
+        for record, before in zip(self.records or (), runs, strict=True):
+            record.runs = before + 1
 
     def draw(
         self,

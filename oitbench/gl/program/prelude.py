@@ -12,7 +12,7 @@ from oitbench.effects import Effect, names
 from oitbench.gl.capabilities import FETCH, INTERLOCK, SPIN_LOCK
 from oitbench.method.blending import Blend
 from oitbench.method.declaration import Method
-from oitbench.method.passes import Gather, Pass
+from oitbench.method.passes import BLUE_NOISE, Gather, Pass
 from oitbench.method.steps import indexed_families, is_programmable
 from oitbench.method.storage import Target
 
@@ -101,10 +101,12 @@ def reads(item: Pass, targets: Mapping[str, Target], samples: int = 1) -> str:
         several = samples > 1 and not targets[name].single
         sampler = f"{'u' if entry.integer else ''}sampler2D{'MS' if several else ''}"
         sample = "gl_SampleID" if several else "0"
+        # The mask repeats; pixels and shifts are not negative.
+        place = f"pixel % textureSize({name}_texture, 0)" if name == BLUE_NOISE else "pixel"
         lines += [
             f"uniform {sampler} {name}_texture;",
             f"{entry.glsl} read_{name}(ivec2 pixel) {{"
-            f" return texelFetch({name}_texture, pixel, {sample}){swizzle}; }}",
+            f" return texelFetch({name}_texture, {place}, {sample}){swizzle}; }}",
             f"{entry.glsl} read_{name}() {{ return read_{name}(ivec2(gl_FragCoord.xy)); }}",
         ]
     return "\n".join(lines)

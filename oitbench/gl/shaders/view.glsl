@@ -9,6 +9,7 @@ layout(std140, binding = 0) uniform View {
     uvec2 frame_size;      // pixels
     uvec2 frame_tiles;     // tiles of TILE x TILE pixels
     uint iteration;        // round of the loop around the pass, from 0
+    uint frame_number;     // of the frames whose mean is the image, from 0
     vec2 view_center;      // where the view axis meets the picture, pixels
     vec4 eye;              // relative position and 1, or, for parallel rays, direction to it and 0
     vec4 origin;           // position of the camera in the world, less whole kilometers, m

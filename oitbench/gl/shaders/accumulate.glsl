@@ -1,0 +1,4 @@
+// The sum of all frames so far, in linear light.
+void resolve() {
+    accumulated = read_color();
+}

@@ -1,0 +1,46 @@
+"""What a matrix holds, by its preset."""
+
+from __future__ import annotations
+
+import pytest
+
+from oitbench.errors import UsageError
+from oitbench.matrix.plan import PRESETS, plan_matrix
+from oitbench.plugins import Collection
+from oitbench.truths import EXACT
+
+FRAMES = (1, 2, 4, 8, 16, 32, 64)
+
+
+def test_the_noise_preset_runs_random_methods_over_frames_with_and_without_sub_pixels() -> None:
+    cells = plan_matrix(["layer_stack"], preset="noise").cells
+    methods = Collection.load()
+    random = [name for name in methods.methods if methods.methods[name].noisy]
+    labels = [
+        f"{name}[noise={noise},frames={count}]"
+        for name in random
+        for noise in ("white", "blue")
+        for count in FRAMES
+    ]
+    expected = {method.label for method in methods.expand_methods(labels)}
+    for grid in (1, 2):
+        found = [cell.method for cell in cells if cell.ssaa == grid]
+        assert len(found) == len(random) * 2 * len(FRAMES)
+        assert set(found) == expected
+    # Cells of one grid follow each other, so that they share the scene on the device.
+    assert [cell.ssaa for cell in cells] == sorted(cell.ssaa for cell in cells)
+    assert {cell.truths for cell in cells} == {(EXACT,)}
+    assert {cell.permutations for cell in cells} == {0}
+
+
+def test_a_given_grid_replaces_those_of_the_preset() -> None:
+    cells = plan_matrix(["layer_stack"], ["hashed_alpha"], "noise", ssaa=3).cells
+    assert [(cell.method, cell.ssaa) for cell in cells] == [("hashed_alpha", 3)]
+    with pytest.raises(UsageError, match="ssaa 0"):
+        plan_matrix(["layer_stack"], ["hashed_alpha"], "noise", ssaa=0)
+
+
+@pytest.mark.parametrize("preset", sorted(PRESETS.keys() - {"noise"}))
+def test_other_presets_have_one_grid_of_sub_pixels(preset: str) -> None:
+    cells = plan_matrix(["layer_stack"], ["hashed_alpha"], preset).cells
+    assert [cell.ssaa for cell in cells] == [2]
