@@ -96,7 +96,7 @@ def text(context: click.Context, given: Mapping[str, Any]) -> str:
     lines = []
     for name, option in _options(context.command).items():
         value = given.get(str(option.name))
-        if value is None and option.default is not None:
+        if value is None and isinstance(option.default, str):
             value = "none"
         if value is None or value == ():
             continue

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import shlex
 import sys
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
-from oitbench.cli import options
+from oitbench.cli import config, options
 from oitbench.matrix.plan import CELL_SECONDS
 from oitbench.truths import TRUTHS
 from oitbench.views import MAIN
@@ -21,6 +22,7 @@ _WIDE = 200
 
 
 @click.command()
+@config.option
 @click.option(
     "--preset",
     type=click.Choice(["quick", "standard", "paper", "guard", "noise"]),
@@ -83,7 +85,9 @@ _WIDE = 200
     help="Seed of the order in which frames are timed.",
 )
 @options.collections
+@click.pass_context
 def command(
+    context: click.Context,
     preset: str,
     scenes: tuple[str, ...],
     methods: tuple[str, ...],
@@ -120,6 +124,7 @@ def command(
         scenes, methods, preset, size, effects, ssaa, out, collections, seed, force,
         timeout, workers, memory_gib, truths, shading, views or (MAIN,),
     )  # fmt: skip
+    matrix = replace(matrix, config=config.text(context, context.params))
     console = Console(stderr=True, highlight=False, soft_wrap=True)
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn())
     # In a file or a pipe, the bar would end in an empty line.

@@ -109,6 +109,8 @@ class Matrix:
         Processes that render accuracy images at once; timing is never parallel.
     memory_limit : int
         Bytes that each of these processes may use.
+    config : str
+        Content of the file that repeats the run; empty for none.
     """
 
     cells: tuple[Cell, ...]
@@ -122,6 +124,7 @@ class Matrix:
     timeout: float | None = CELL_SECONDS
     workers: int = 1
     memory_limit: int = field(default_factory=lambda: memory.share(1))
+    config: str = ""
 
 
 def plan_matrix(

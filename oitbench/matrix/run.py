@@ -149,6 +149,7 @@ def run_matrix(
                 methods=matrix.methods,
             )
             store.write_run(facts)
+            store.write_config(matrix.config)
             resume = Resume(store, greeting.gl, matrix.force)
             rendering = Rendering(matrix, resume, on_record, on_line)
             rendering.run(pool)

@@ -23,10 +23,22 @@ from oitbench.results.schema import VERSION, CellKey, Record, RunFacts
 
 CELLS = "cells.jsonl"
 RUN = "run.json"
+CONFIG = "run.toml"
 IMAGES = "images"
 _LOCK = "run.lock"
 _OURS = frozenset(
-    {CELLS, RUN, IMAGES, _LOCK, "motion", "reference_check", "report", "stability", "visibility"}
+    {
+        CELLS,
+        RUN,
+        CONFIG,
+        IMAGES,
+        _LOCK,
+        "motion",
+        "reference_check",
+        "report",
+        "stability",
+        "visibility",
+    }
 )
 """What a run and other commands write to a results folder by default."""
 _SHOWN = 5
@@ -206,6 +218,14 @@ class Store:
         """Write `run.json`, atomically."""
         text = msgspec.json.format(msgspec.json.encode(facts), indent=2)
         _replace(self.folder / RUN, seal(text) + b"\n")
+
+    def write_config(self, text: str) -> None:
+        """Write `run.toml`, the options that repeat the run, atomically; nothing if `text` is "".
+
+        Text that is no UTF-8, as in names of some files, is escaped.
+        """
+        if text:
+            _replace(self.folder / CONFIG, text.encode(errors="backslashreplace"))
 
 
 def _refuse_foreign(folder: Path) -> None:
