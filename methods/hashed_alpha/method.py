@@ -28,6 +28,9 @@ class HashedAlpha(oit.Method):
     noisy = True
     expresses = oit.Effect.COVERAGE
     scale = oit.Parameter(1.0, low=0.01, high=64.0, help="side of a cell in pixels")
+    no_msaa = (
+        "a threshold belongs to a place, so the samples of a pixel would all keep or lose a layer"
+    )
     promises = oit.promise(
         "order_independent opaque_front_hides zero_coverage_ignored scales_with_radiance"
     )
