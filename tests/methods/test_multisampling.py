@@ -15,7 +15,7 @@ from oitbench.measure.accounting import memory, traffic
 from oitbench.method.declaration import MSAA, Method
 from oitbench.method.passes import Gather
 from oitbench.modeling.mesh import box, quad
-from oitbench.scene import WHITE, Camera, Material, Medium, Object, Scene
+from oitbench.scene import WHITE, Camera, Material, Medium, Mesh, Object, Scene, Texture
 from oitbench.stability.cases import cases
 from oitbench.stability.check import Check
 from oitbench.stability.result import DOES_NOT_APPLY
@@ -38,6 +38,8 @@ from tests.helpers import (
 
 SIDE, HEIGHT = 32, 2.0
 """Pixels and meters of a picture: sample places are exact in floats."""
+LIGHT = (0.2, 0.8)
+"""Least and greatest radiance of slivers."""
 AT_SAMPLES = (
     "a_buffer",
     "adaptive[node=precise]",
@@ -107,6 +109,23 @@ def slanted(tilt: float = 0.0, material: Material | None = None) -> Scene:
         objects.append(Object(name, wall, Material(emission=color)))
     camera = Camera((0, 0, 0), (0, 0, -1), height=HEIGHT, near=0.5)
     return Scene("slanted", camera, tuple(objects), background=BACKGROUND)
+
+
+def slivers(opaque: bool) -> Scene:
+    """Return narrow triangles that recede from the eye, with the radiance of `LIGHT`."""
+    random = np.random.default_rng(4)
+    z = random.uniform(0.2, 50, (300, 3, 1))
+    angle, radius = random.uniform(0, 2 * math.pi, 300), random.uniform(0, 0.5, 300)
+    middle = radius[:, None] * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    on_screen = middle[:, None] + random.normal(0, 0.004, (300, 3, 2))
+    positions = np.concatenate([on_screen * z, -z], axis=2).reshape(-1, 3)
+    radiance = random.uniform(*LIGHT, (900, 3)).astype(np.float32)
+    corners = np.arange(900, dtype=np.uint32).reshape(-1, 3)
+    mesh = Mesh(positions, corners, radiance=radiance)
+    material = Material(1.0 if opaque else 0.5, emission=WHITE)
+    gray = (sum(LIGHT) / 2,) * 3
+    camera = Camera((0, 0, 0), (0, 0, -1))
+    return Scene("slivers", camera, (Object("slivers", mesh, material),), background=gray)
 
 
 def seen_from(scene: Scene, place: tuple[float, float]) -> Scene:
@@ -202,6 +221,33 @@ def test_samples_are_bent_blurred_and_marched_at_their_places(
     np.testing.assert_allclose(found, expected, rtol=0, atol=rounding(four, 9, 1.0))
     plain = render(device, slanted(), four, size=(SIDE, SIDE))
     assert abs(plain - found).max() > 0.05
+
+
+@pytest.mark.parametrize("label", ["adaptive[memory=fixed]", "k_buffer[k=4,node=32f]", "moments"])
+def test_samples_are_shaded_at_their_places(
+    device: Device, places: list[tuple[float, float]], label: str
+) -> None:
+    texels = np.random.default_rng(5).random((16, 16, 4), dtype=np.float32)
+    scene = slanted(0.4, Material(Texture(texels[..., 3]), emission=Texture(texels[..., :3])))
+    expected = mean_of_places(device, scene, label, places)
+    found = render(device, scene, with_samples(label, 4), size=(SIDE, SIDE))
+    np.testing.assert_allclose(found, expected, rtol=0, atol=2e-5)
+
+
+@pytest.mark.parametrize("opaque", [False, True])
+@pytest.mark.parametrize("label", ["a_buffer", "alpha_blend[precision=float]", "moments"])
+def test_slivers_have_the_colors_of_their_corners(device: Device, label: str, opaque: bool) -> None:
+    """A pixel's center is often outside of a narrow triangle that covers samples."""
+    scene = slivers(opaque)
+    smooth = render(device, scene, "a_buffer", size=(192, 192))
+    smooth = smooth.reshape(48, 4, 48, 4, 3).mean(axis=(1, 3))
+    one, four = (
+        render(device, scene, with_samples(label, count), size=(48, 48)) for count in (1, 4)
+    )
+    low, high = LIGHT
+    assert low - 1e-5 <= four.min()
+    assert four.max() <= high + 1e-5
+    assert abs(four - smooth).mean() < 0.8 * abs(one - smooth).mean()
 
 
 @pytest.mark.parametrize("label", ALL)

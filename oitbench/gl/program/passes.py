@@ -337,7 +337,10 @@ def _sources(blueprint: Blueprint, geometry: Geometry, step: Pass) -> tuple[Sour
         fragment.add_text("main", "void main() { if (!gl_HelperInvocation) { resolve(); } }")
         vertex.add_engine_file("screen.vert.glsl")
         return vertex, fragment
-    fragment.add_text("prelude (scene)", geometry.macros)
+    places = prelude.interpolation(samples, shades_samples(step, blueprint.per_sample))
+    for source in (vertex, fragment):
+        source.add_text("prelude (samples)", places)
+        source.add_text("prelude (scene)", geometry.macros)
     if detailed:
         if shading.medium:
             fragment.add_text("prelude (medium)", shading.medium)
@@ -345,15 +348,12 @@ def _sources(blueprint: Blueprint, geometry: Geometry, step: Pass) -> tuple[Sour
         fragment.add_engine_file("shading.glsl")
         if shading.occluded:
             fragment.add_engine_file("inferred_occlusion.glsl")
-    if blueprint.samples > 1 and shades_samples(step, blueprint.per_sample):
-        fragment.add_text("prelude (samples)", "#define PER_SAMPLE 1")
     if _tests_in_shader(geometry, step):
         fragment.add_text("prelude (depth)", "#define TESTS_DEPTH 1")
     fragment.add_engine_file("fragment.glsl")
     _add_shader(fragment, blueprint, step)
     fragment.add_text("prelude (deliver)", prelude.deliver(step, mechanism))
     fragment.add_engine_file("lists.frag.glsl" if geometry.has_lists else "surface.frag.glsl")
-    vertex.add_text("prelude (scene)", geometry.macros)
     vertex.add_engine_file("view.glsl")
     vertex.add_engine_file("surface.vert.glsl")
     return vertex, fragment

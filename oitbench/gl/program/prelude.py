@@ -46,6 +46,21 @@ def pass_macros(item: Pass) -> str:
     return "\n".join(lines)
 
 
+def interpolation(samples: int, per_sample: bool) -> str:
+    """Return where values between vertices are taken: `PLACED` for places, `INSIDE` for others.
+
+    With several samples a pixel's center may lie outside of the triangle, where colors and normals
+    that are extended over it have no meaning.
+    """
+    if samples == 1:
+        return "#define PLACED\n#define INSIDE"
+    if per_sample:
+        return (
+            "#define PLACED sample\n#define INSIDE sample\n#define OF_SEVERAL\n#define PER_SAMPLE"
+        )
+    return "#define PLACED\n#define INSIDE centroid\n#define OF_SEVERAL"
+
+
 def outputs(item: Pass, targets: Mapping[str, Target], mechanism: str = FETCH) -> str:
     """Return the fragment shader's outputs, one per written target.
 
