@@ -46,8 +46,9 @@ per side, in targets of their own. A joint bilateral filter spreads them over th
 resolve, and details finer than a block are lost. Everything else keeps the frame's resolution. With
 1 there is no such target and no such pass.
 
-With `msaa` 4 each sample has targets of its own, is shaded and marched at its place, and is bent
-and blurred on the grid of the same samples of other pixels. Blocks keep one sample.
+With `msaa` 4 each sample has targets of its own. It is shaded at its place, marched up to its own
+opaque surface, and bent and blurred on the grid of the same sample of other pixels. Blocks keep one
+sample.
 
 `paper` stores A in 16 bits, and beta, D and d in 8 bits per channel. With 8 bits the smallest blur
 is 3.95 pixels, and offsets have steps of half a pixel and end at 63 pixels after each layer, so
