@@ -4,8 +4,8 @@
 
 For each method: FLIP of its pictures of one sample and of four against exact compositing of 16
 sub-pixels, FLIP of four samples against exact compositing of the same samples, and the memory of
-both pictures in MiB. The first number of a row falls to the second by antialiasing. The third is the
-error of compositing and, for methods that shade each sample, the difference that this makes.
+both pictures in MiB. The first number of a row falls to the second by antialiasing. The third is
+the error of compositing and, for methods that shade each sample, the difference that this makes.
 """
 
 from __future__ import annotations
