@@ -22,7 +22,7 @@ from oitbench.method.blending import (
     Equation,
     Factor,
 )
-from oitbench.method.declaration import Method, Plan, Request
+from oitbench.method.declaration import MSAA, Method, Plan, Request
 from oitbench.method.formats import float_format
 from oitbench.method.passes import Gather, Interleaved, Loop, Objects, Order, Resolve, Step
 from oitbench.method.promises import promise
@@ -58,6 +58,7 @@ __all__ = [
     "MAXIMUM",
     "MINIMUM",
     "MODULATE",
+    "MSAA",
     "OVER",
     "PROGRAMMABLE",
     "REPLACE",

@@ -14,7 +14,8 @@ One geometry pass finds the bounds and one fills the slabs; eight slabs take two
 write eight targets. All targets are blended by fixed functions, by sums and one maximum.
 
 Memory 10 K + 8 B/pixel: color and opacity in RGBA16F, absorbance in a half float, two float bounds;
-20 K + 8 B with `float`.
+20 K + 8 B with `float`. With `msaa` 4 each sample has bounds and slabs of its own, and layers are
+shaded for each sample, at its depth.
 
 Source: our own. It is not the layered weighted blending (LWBOIT) of Friederichs, Eisemann &
 Eisemann 2021, of which only the abstract could be read, though it also spreads the fragments over
@@ -39,6 +40,7 @@ class DepthLayered(oit.Method):
     expresses = oit.Effect.COVERAGE
     layers = oit.Parameter(4, choices=(1, 2, 4, 8), grid=(4, 8), help="K, number of slabs")
     precision = oit.Parameter("half", choices=("half", "float"), help="of slabs and final color")
+    msaa = oit.MSAA
 
     @property
     def promises(self) -> frozenset[str]:

@@ -42,6 +42,9 @@ class HashedAlpha(oit.Method):
         help="of tau over the pixels of a surface",
     )
     frames = oit.Parameter(1, low=1, high=64, help="frames whose mean is the image")
+    no_msaa = (
+        "a threshold belongs to a place, so the samples of a pixel would all keep or lose a layer"
+    )
 
     @property
     def promises(self) -> frozenset[str]:

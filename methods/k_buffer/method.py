@@ -9,7 +9,8 @@ ordered by the content of the nodes.
 Memory 64 k bits/pixel, 96 k with `16f`, 160 k with `32f`: nodes with alpha L, net opacity and a
 float depth; 32 bits more where the driver only offers a spin lock. Published figures of 64 k + 64
 include a count of nodes; here empty nodes have the largest depth instead. OpenGL guarantees eight
-targets per pass: 16 nodes of 8 bits, 8 of `16f`, 4 of `32f`.
+targets per pass: 16 nodes of 8 bits, 8 of `16f`, 4 of `32f`. With `msaa` 4 each sample has nodes of
+its own.
 
 Sources: Bavoil et al. 2007, "Multi-Fragment Effects on the GPU using the k-Buffer"; Vasilakis &
 Fudos 2014, "k+-buffer", which is order independent like this one.

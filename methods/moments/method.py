@@ -25,7 +25,8 @@ All operations are sums, so the order of the draws only changes rounding; `unorm
 of moments in 16 bits by programmable blending.
 
 Memory: b_0 and n floats (20, 28, 36 B) or 16-bit numbers (12, 16, 20 B), 16 B of sums, and 8 B of
-bounds with `linear`; 4 B more for `unorm16` where the driver only offers a spin lock.
+bounds with `linear`; 4 B more for `unorm16` where the driver only offers a spin lock. With `msaa` 4
+each sample has all of these, and layers are shaded for each sample, at its depth.
 
 Source: Muenstermann et al. 2018, "Moment-Based Order-Independent Transparency", I3D. There, n/2
 complex moments are called n/2; their ramp over the gap is nearly linear in angle, here exactly.
@@ -55,6 +56,7 @@ class Moments(oit.Method):
     depth = oit.Parameter(
         "log", choices=("log", "linear", "window"), help="what moments are taken of"
     )
+    msaa = oit.MSAA
 
     @property
     def promises(self) -> frozenset[str]:

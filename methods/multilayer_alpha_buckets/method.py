@@ -10,7 +10,8 @@ blending with a minimum, which needs no order, and one of programmable blending 
 Layers before the first strong one leave k - 1 nodes to those that matter, whatever their number.
 
 Memory 64 k + 64 bits/pixel: nodes as in multi-layer alpha blending, and two float depths; 96 k + 64
-with `16f`, 160 k + 64 with `32f`; 32 bits more where the driver only offers a spin lock.
+with `16f`, 160 k + 64 with `32f`; 32 bits more where the driver only offers a spin lock. With
+`msaa` 4 each sample has nodes and depths of its own.
 
 Source: Kern, Neuhauser, Maack, Han, Usher & Westermann 2020, "A Comparison of Rendering Techniques
 for 3D Line Sets with Transparency", TVCG, MLABDB; constants of their code. Here, depths are view

@@ -46,6 +46,10 @@ per side, in targets of their own. A joint bilateral filter spreads them over th
 resolve, and details finer than a block are lost. Everything else keeps the frame's resolution. With
 1 there is no such target and no such pass.
 
+With `msaa` 4 each sample has targets of its own. It is shaded at its place, marched up to its own
+opaque surface, and bent and blurred on the grid of the same sample of other pixels. Blocks keep one
+sample.
+
 `paper` stores A in 16 bits, and beta, D and d in 8 bits per channel. With 8 bits the smallest blur
 is 3.95 pixels, and offsets have steps of half a pixel and end at 63 pixels after each layer, so
 that glass of many strongly bent layers shows streaks in the order of its draws. `half` and `float`
@@ -84,6 +88,8 @@ BACKGROUND = oit.Blend(
 """Colors attenuate the target, as they do the background; variances of blur in alpha add up."""
 GATHERED = {"accum": oit.ADD, "beta": BACKGROUND, "delta": oit.ADD, "bending": oit.ADD}
 """Blending of a layer's contribution to each target."""
+MARCHED = ("accum", "beta")
+"""Targets to which a medium contributes: it does not bend light."""
 DEPTH = ("opaque_depth",)
 
 
@@ -161,6 +167,7 @@ class Phenomenological(oit.Method):
     precision = oit.Parameter(
         "paper", choices=("paper", "half", "float"), grid=("paper", "half"), help="of all targets"
     )
+    msaa = oit.MSAA
 
     @property
     def promises(self) -> frozenset[str]:
@@ -237,15 +244,22 @@ class Phenomenological(oit.Method):
             objects=oit.Objects.PARTICLES,
         )
         march = (_march(("small_distance",), "small_", {"SMALL": 1}),) if marches else ()
-        spread = oit.Resolve(
-            "upsample.glsl", reads=(*small, "small_distance", *DEPTH), writes=writes
+        spread = tuple(targets) if apart else MARCHED
+        upsample = oit.Resolve(
+            "upsample.glsl",
+            reads=(*(f"small_{name}" for name in spread), "small_distance", *DEPTH),
+            writes={name: GATHERED[name] for name in spread},
+            defines={"BENDS": 1} if "delta" in spread else {},
         )
-        blocks = {"distance": oit.Target("r32f"), **targets}
+        blocks = {"distance": oit.Target("r32f"), **{name: targets[name] for name in spread}}
         if apart:
             blocks["depth"] = oit.Target("depth32f")
-        blocks = {f"small_{k}": replace(t, subsample=self.subsample) for k, t in blocks.items()}
+        blocks = {
+            f"small_{name}": replace(target, subsample=self.subsample, single=True)
+            for name, target in blocks.items()
+        }
         first = (shrink, particles) if apart else (shrink,)
-        steps = (*first, *gathers, *march, spread, resolve)
+        steps = (*first, *gathers, *march, upsample, resolve)
         return oit.Plan({**targets, "color": color, **blocks}, steps)
 
 
@@ -253,5 +267,5 @@ def _march(
     reads: tuple[str, ...], prefix: str = "", defines: Mapping[str, float] | None = None
 ) -> oit.Resolve:
     """Return the march through a medium, into the targets whose names start with `prefix`."""
-    writes = {f"{prefix}{name}": GATHERED[name] for name in ("accum", "beta")}
+    writes = {f"{prefix}{name}": GATHERED[name] for name in MARCHED}
     return oit.Resolve("fog.glsl", reads=reads, writes=writes, defines=defines or {})

@@ -32,15 +32,17 @@ vec2 offset_here() {
 }
 
 void resolve() {
+    ivec2 pixel = ivec2(gl_FragCoord.xy);
     vec3 beta = read_beta().rgb;
     vec2 offset = offset_here();
-    float blur = blur_at(ivec2(gl_FragCoord.xy));
+    float blur = blur_at(pixel);
     vec3 behind = read_opaque_color().rgb;
     if (all(equal(beta, vec3(1.0))) && blur == 0.0 && offset == vec2(0.0)) {
         color = vec4(behind, 1.0);
         return;
     }
-    vec2 center = gl_FragCoord.xy + offset;
+    // Of several samples a pixel, each bends and blurs the grid of its own samples.
+    vec2 center = vec2(pixel) + 0.5 + offset;
     if (blur > 0.0) {
         behind = blurred(ivec2(floor(center)), blur);
     } else if (offset != vec2(0.0)) {

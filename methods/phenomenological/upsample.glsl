@@ -55,7 +55,7 @@ void resolve() {
 #ifdef EFFECT_DIFFUSION
             passed.a += weight * min(read_small_beta(texel).a, 65504.0);
 #endif
-#ifdef EFFECT_REFRACTION
+#ifdef BENDS
             bends.xy += weight * read_small_delta(texel);
 #if OFFSET == OFFSET_NORMALIZED
             bends.z += weight * read_small_bending(texel);
@@ -65,7 +65,7 @@ void resolve() {
     }
     accum = layers / total;
     beta = modulation(1.0 - passed.rgb / total, passed.a / total);
-#ifdef EFFECT_REFRACTION
+#ifdef BENDS
     delta = bends.xy / total;
 #if OFFSET == OFFSET_NORMALIZED
     bending = bends.z / total;

@@ -4,7 +4,8 @@
 
 Geometry is drawn from far to near. The second source of dual-source blending carries tau, so that a
 single pass attenuates each channel separately; fixed-function blending with one source cannot.
-Sorting runs on the CPU and is timed separately.
+Sorting runs on the CPU and is timed separately. With `msaa` 4 the hardware blends each triangle
+into the samples that it covers, in one order for all samples.
 
 Source: the over operator of Porter & Duff 1984 with RGB transmittance (McGuire & Mara 2017,
 "Phenomenological Transparency", eq. 1 unrolled).
@@ -25,6 +26,7 @@ class SortedOver(oit.Method):
         help="unit of sorting: objects by bounding box center, or all triangles by centroid",
     )
     precision = oit.Parameter("half", choices=("half", "float"), help="number format of the color")
+    msaa = oit.MSAA
     promises = oit.promise(
         "single_layer_exact colored_layer_exact equal_layers_exact opaque_front_hides"
         " total_transmittance_exact zero_coverage_ignored white_furnace two_layers_ordered"

@@ -4,7 +4,8 @@
 
 Every unit is drawn twice before the next one, from far to near: the classic way to render colored
 glass with fixed-function blending, at 2n draws and twice the traffic of one pass. Sorting runs on
-the CPU and is timed separately.
+the CPU and is timed separately. With `msaa` 4 both halves are blended into the samples that the
+surface covers.
 
 Source: McGuire & Mara 2017, "Phenomenological Transparency", section 2 and figures 7 and 12.
 
@@ -25,6 +26,7 @@ class SortedTwoPass(oit.Method):
         help="unit of sorting, `none` for submission order",
     )
     precision = oit.Parameter("half", choices=("half", "float"), help="number format of the color")
+    msaa = oit.MSAA
 
     @property
     def promises(self) -> frozenset[str]:

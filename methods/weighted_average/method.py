@@ -6,7 +6,8 @@
 with o = alpha (1 - mean t). One unordered geometry pass and one resolve; nothing depends on depth.
 Exact where all layers share color and opacity. By the inequality of arithmetic and geometric means
 r >= prod (1 - o), so the background is never too dark. 80 bits per pixel (96 with a 32-bit count)
-and 20 (24) bytes of blending per fragment.
+and 20 (24) bytes of blending per fragment. With `msaa` 4 each sample has sums of its own, four
+times the memory, and is resolved separately.
 
 Only layers that absorb are counted: a layer with o = 0 hides nothing and must not lower the mean.
 Where S.a is below 1e-4 the factor (1 - r) / S.a is replaced by its limit, one, so that highlights
@@ -27,6 +28,7 @@ class WeightedAverage(oit.Method):
     expresses = oit.Effect.COVERAGE
     count = oit.Parameter("r16f", choices=("r16f", "r32f"), help="format of n")
     precision = oit.Parameter("half", choices=("half", "float"), help="of all other targets")
+    msaa = oit.MSAA
     promises = oit.promise(
         "single_layer_exact equal_layers_exact order_independent zero_coverage_ignored"
         " white_furnace scales_with_radiance"

@@ -16,7 +16,8 @@ are `near_power` and `far_power`. Their defaults are one fit to five scenes; `oi
 those of other scenes.
 
 72 bits per pixel and 18 bytes of blending per fragment, as published: A in half floats, r in 8
-bits. `half` and `float` store both in that format, and `float` also the final color.
+bits. `half` and `float` store both in that format, and `float` also the final color. With `msaa` 4
+each sample has sums of its own, four times the memory, and weights are those of pixel centers.
 
 Source: McGuire & Bavoil 2013, JCGT 2(2), equations 7 to 10. Ports that print 5 instead of 10 in
 equation 8, 10 instead of 0.03 in equation 9, or 1 - d^3 in equation 10 disagree with the paper and
@@ -45,7 +46,7 @@ class WeightedBlended(oit.Method):
     near_power = oit.Parameter(3.81, low=0.25, high=16.0, help="of a fitted weight")
     far_range = oit.Parameter(705.0, low=0.01, high=1000.0, help="of a fitted weight, m")
     far_power = oit.Parameter(3.18, low=0.25, high=16.0, help="of a fitted weight")
-    msaa = oit.Parameter(1, choices=(1, 4), help="samples per pixel")
+    msaa = oit.MSAA
     promises = oit.promise(
         "single_layer_exact equal_layers_exact order_independent total_transmittance_exact"
         " zero_coverage_ignored white_furnace scales_with_radiance"

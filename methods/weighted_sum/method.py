@@ -3,8 +3,9 @@
     C = sum alpha L + C0 (1 - sum o),    o = alpha (1 - mean t)
 
 The over operator to first order in o: one unordered geometry pass and one resolve; nothing depends
-on depth. 64 bits per pixel, 16 bytes of blending per fragment. As published, the weight of the
-background, and with it the color, is negative where opacities sum to more than one.
+on depth. 64 bits per pixel, 16 bytes of blending per fragment, both four times with `msaa` 4. As
+published, the weight of the background, and with it the color, is negative where opacities sum to
+more than one.
 
 Source: Meshkin 2007, "Sort-Independent Alpha Blending", GDC.
 
@@ -20,6 +21,7 @@ class WeightedSum(oit.Method):
     expresses = oit.Effect.COVERAGE
     clamp = oit.Parameter(False, grid=(False, True), help="no negative weight of the background")
     precision = oit.Parameter("half", choices=("half", "float"), help="of every target")
+    msaa = oit.MSAA
 
     @property
     def promises(self) -> frozenset[str]:

@@ -80,6 +80,8 @@ class Entry(Struct, frozen=True, tag=True):
         Whether the quick preset includes it.
     promises, expresses : list of str
         Of a method with its default parameters.
+    no_msaa : str
+        Why a method has one sample per pixel.
     views : list of str
         Names of the views of a scene, if it was checked and can be built.
     error : str
@@ -92,6 +94,7 @@ class Entry(Struct, frozen=True, tag=True):
     quick: bool = True
     promises: list[str] = []
     expresses: list[str] = []
+    no_msaa: str = ""
     views: list[str] = []
     error: str = ""
 

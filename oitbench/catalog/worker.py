@@ -95,6 +95,7 @@ def _method(collection: Collection, name: str, path: Path) -> Entry:
         bool(default.quick),
         sorted(default.promises),
         [effect.lower() for effect in names(default.expresses)],
+        default.no_msaa,
     )
 
 

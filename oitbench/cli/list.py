@@ -117,6 +117,8 @@ def command(
             click.echo(f"  {entry['name']:{width}}  {entry['title']}")
             for key, parameter in entry.get("parameters", {}).items():
                 click.echo(f"  {'':{width}}    {key}={parameter['summary']}")
+            if entry.get("no_msaa"):
+                click.echo(f"  {'':{width}}    one sample per pixel: {entry['no_msaa']}")
             if entry.get("views"):
                 click.echo(f"  {'':{width}}    views: {', '.join(entry['views'])}")
 
@@ -212,6 +214,7 @@ def _facts(kind: Kind, entry: Entry) -> dict[str, Any]:
     facts: dict[str, Any] = {"name": entry.name, "title": entry.title}
     if kind == "method":
         facts |= {"expresses": entry.expresses, "promises": entry.promises}
+        facts["no_msaa"] = entry.no_msaa
     if kind == "scene":
         facts["views"] = entry.views
     if kind != "report":

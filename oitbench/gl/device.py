@@ -200,7 +200,8 @@ class Device:
         for name, capability in MECHANISMS.items():
             if self.has(capability) and (samples == 1 or name == FETCH):
                 return name
-        raise CapabilityError(f"{self.renderer} offers no programmable blending")
+        several = f" of {samples} samples per pixel; give one (msaa=1)" if samples > 1 else ""
+        raise CapabilityError(f"{self.renderer} offers no programmable blending{several}")
 
     def texture(self, size: tuple[int, int], entry: Format, samples: int = 1) -> moderngl.Texture:
         """Create a texture of `size` (width, height) for texel fetches."""

@@ -68,10 +68,13 @@ class Plan:
 
 
 _MEMBERS = (
-    "expresses", "frame_count", "loop_steps", "may_be_negative", "noisy", "plan", "promises",
-    "quick", "record_step", "requires", "sample_count", "truth", "views",
+    "expresses", "frame_count", "loop_steps", "may_be_negative", "no_msaa", "noisy", "plan",
+    "promises", "quick", "record_step", "requires", "sample_count", "truth", "views",
 )  # fmt: skip
 """Members of a method that its class can override."""
+
+MSAA = Parameter(1, choices=(1, 4), help="samples per pixel")
+"""The parameter `msaa` of most methods; see `Method.sample_count`."""
 
 
 class Method:
@@ -106,6 +109,8 @@ class Method:
     """Whether the image is a random estimate that is exact in the mean over many pixels."""
     quick: ClassVar[bool] = True
     """Whether the quick preset includes the method."""
+    no_msaa: ClassVar[str] = ""
+    """Why the method has one sample per pixel; empty if it has a parameter `msaa`."""
 
     def __init_subclass__(cls) -> None:
         super().__init_subclass__()
@@ -118,6 +123,8 @@ class Method:
             if near and not key.startswith("_"):
                 raise DeclarationError(f"unknown member {key}; did you mean {near[0]}?")
         cls.parameters = {**own, **{k: v for k, v in cls.parameters.items() if k not in own}}
+        if cls.no_msaa and "msaa" in cls.parameters:
+            raise DeclarationError("there is a parameter msaa; delete no_msaa")
 
     def __init__(self, **values: Value) -> None:
         for key in values:

@@ -83,6 +83,16 @@ def read_per_sample(passes: Iterable[Pass], targets: Mapping[str, Target]) -> fr
     return frozenset(name for name in names if not targets[name].single)
 
 
+def shades_samples(item: Gather, per_sample: frozenset[str]) -> bool:
+    """Return whether a pass of a multisampled frame shades each sample of a fragment for itself.
+
+    A pass that reads samples one by one does, and so does a shader that blends. Its fragments have
+    the depths of the samples. All that it reads must come from fragments with the same depths, so
+    a pass that writes one of these targets, which are `per_sample`, does too.
+    """
+    return is_programmable(item) or not per_sample.isdisjoint((*item.reads, *item.writes))
+
+
 def subsample_of(item: Pass, targets: Mapping[str, Target]) -> int:
     """Return the downsampling factor of the targets that the pass writes."""
     names = [*item.writes, *([item.depth] if item.depth else [])]

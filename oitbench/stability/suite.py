@@ -27,7 +27,9 @@ from oitbench.stability.result import BREAKS, DOES_NOT_APPLY, HOLDS, CheckResult
 from oitbench.stability.tolerance import rounding
 
 PRECISION_AXES = ("precision", "node", "count")
-"""Parameters that choose number formats; all of their choices are run."""
+"""Parameters that choose number formats."""
+AXES = (*PRECISION_AXES, "msaa")
+"""Parameters of which all choices are run: formats, and samples per pixel."""
 
 
 def checks() -> tuple[Check, ...]:
@@ -39,8 +41,8 @@ def variants(name: str, parameters: Mapping[str, AnyParameter]) -> list[str]:
     """Return the selectors of all variants of a method that the suite runs.
 
     These are all combinations of the grids of a method's parameters, as in the larger presets of
-    `oitbench run`, and every choice of each parameter in `PRECISION_AXES` with the defaults of all
-    other parameters.
+    `oitbench run`, and every choice of each parameter in `AXES` with the defaults of all other
+    parameters.
 
     Parameters
     ----------
@@ -49,7 +51,7 @@ def variants(name: str, parameters: Mapping[str, AnyParameter]) -> list[str]:
     parameters : mapping of str to Parameter
     """
     texts = [selector(name, grids(parameters))]
-    for key in PRECISION_AXES:
+    for key in AXES:
         if key in parameters:
             item = parameters[key]
             choices = item.choices or item.grid or (item.default,)

@@ -19,8 +19,11 @@ def test_methods_scenes_and_parameters_are_listed(call: Call) -> None:
     methods = {entry["name"]: entry for entry in json.loads(answer.out)}
     assert methods["a_buffer"]["parameters"]["node"]["choices"] == ["precise", "compact"]
     assert methods["a_buffer"]["title"].startswith("A-buffer")
+    assert methods["a_buffer"]["no_msaa"] == ""
+    assert methods["depth_peeling"]["no_msaa"]
     answer = call("list")
     assert answer.code == 0
+    assert f"one sample per pixel: {methods['depth_peeling']['no_msaa']}" in answer.out
     assert "layer_stack" in answer.out
     assert "colored_transmission" in answer.out
 

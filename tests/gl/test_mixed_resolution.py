@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -12,8 +13,8 @@ from oitbench.gl.device import Device
 from oitbench.gl.frame import Frame, FrameMeasurement, Image
 from oitbench.measure import accounting
 from oitbench.method.declaration import Request
-from oitbench.modeling.mesh import quad
-from oitbench.scene import RGB, WHITE, Camera, Material, Object, Scene
+from oitbench.modeling.mesh import box, quad
+from oitbench.scene import RGB, WHITE, Camera, Material, Medium, Object, Scene
 from tests.helpers import foreign_method, method, opened, render, write_method
 
 SIZE = (64, 48)
@@ -49,13 +50,16 @@ def rendered(frame: Frame) -> tuple[Image, FrameMeasurement]:
     return frame.image(), measured
 
 
-def test_uniform_smoke_is_the_same_at_any_resolution(device: Device) -> None:
+@pytest.mark.parametrize("msaa", [1, 4])
+def test_uniform_smoke_is_the_same_at_any_resolution(device: Device, msaa: int) -> None:
     glass = sheet("glass", 3.0, Material(transmission=(0.9, 0.4, 0.2)), left=0.05)
     mixed = scene(smoke(2, 0.3), glass, smoke(4, 0.6, (0.2, 0.9, 0.4)))
-    full = render(device, mixed, EXACT, size=SIZE)
-    for subsample in (2, 4):
-        chosen = f"phenomenological[precision=float,subsample={subsample}]"
-        np.testing.assert_allclose(render(device, mixed, chosen, size=SIZE), full, atol=2e-6)
+    full, *others = (
+        render(device, mixed, f"{EXACT[:-1]},subsample={subsample},msaa={msaa}]", size=SIZE)
+        for subsample in (1, 2, 4)
+    )
+    for found in others:
+        np.testing.assert_allclose(found, full, atol=2e-6)
 
 
 def test_other_objects_keep_their_resolution(device: Device) -> None:
@@ -99,13 +103,17 @@ def test_blur_is_in_pixels_of_the_frame(device: Device) -> None:
     np.testing.assert_allclose(variance[EXACT_MIXED], variance[EXACT], rtol=1e-5)
 
 
+@pytest.mark.parametrize("msaa", [1, 4])
 @pytest.mark.parametrize("edge", [0.0, 0.03, 0.06, 0.09])
 def test_smoke_does_not_bleed_over_the_edge_of_an_object_in_front_of_it(
-    device: Device, edge: float
+    device: Device, edge: float, msaa: int
 ) -> None:
     board = sheet("board", 2.0, Material(emission=(0.01, 0.01, 0.01)), left=edge)
     dense = scene(board, smoke(4, 0.9), smoke(5, 0.9))
-    full, mixed = (render(device, dense, name, size=SIZE)[24] for name in (FULL, MIXED))
+    full, mixed = (
+        render(device, dense, f"{FULL}[subsample={subsample},msaa={msaa}]", size=SIZE)[24]
+        for subsample in (1, 4)
+    )
     first = int(np.argmin(full[:, 0]))  # the first column that the board covers
     assert 30 < first < 40
     difference = abs(mixed - full).max(axis=-1)
@@ -182,6 +190,31 @@ def test_memory_and_traffic_count_the_texels_of_small_targets(device: Device) ->
     assert moved["upsample", "small_accum", "read"] == BLOCKS
     assert moved["upsample", "accum", "blend"] == PIXELS
     assert moved["clear", "small_accum", "clear"] == BLOCKS
+
+
+def test_blocks_keep_one_sample(device: Device) -> None:
+    glass = sheet("glass", 3.0, Material(coverage=0.5, emission=WHITE))
+    chosen = f"{MIXED[:-1]},msaa=4]"
+    with opened(device, scene(smoke(2, 0.5), glass), chosen, SIZE) as frame:
+        memory = {item.resource: item.bytes for item in accounting.memory(frame).terms}
+    assert memory == {
+        "accum": 4 * 8 * PIXELS, "beta": 4 * 3 * PIXELS, "small_accum": 8 * BLOCKS,
+        "small_beta": 3 * BLOCKS, "small_distance": 4 * BLOCKS, "small_depth": 4 * BLOCKS,
+    }  # fmt: skip
+
+
+def test_fog_in_blocks_leaves_refraction_at_the_frame_s_resolution(device: Device) -> None:
+    clear = Medium(1e-7, (-9, -9, -4), (9, 9, -1), albedo=WHITE)
+    bend = Material(coverage=0.8, transmission=(0.9, 0.5, 0.7), index=1.5, solid=True)
+    block = Object("block", box((0.2, 0, -3), (1.0, 0.7, 0.4)), bend)
+    wall = Object("wall", quad((0, 0, -5), (1, 0.3, 0), (-0.3, 1, 0)), Material(emission=WHITE))
+    seen = replace(scene(block, wall), medium=clear)
+    full, mixed = (render(device, seen, name, size=SIZE) for name in (EXACT, EXACT_MIXED))
+    np.testing.assert_allclose(mixed, full, atol=1e-5)
+    with opened(device, seen, EXACT_MIXED, SIZE) as frame:
+        assert "small_delta" not in frame.plan.targets
+        frame.render()
+        assert abs(frame.read("delta")).max() > 1
 
 
 TARGETS = """{

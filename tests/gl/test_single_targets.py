@@ -46,6 +46,30 @@ def test_a_single_target_counts_centers_and_other_targets_count_samples(
     assert (abs(one - four) <= 0.75).all()
 
 
+def test_passes_into_single_targets_read_the_opaque_depth_at_centers(
+    device: Device, rotated: Scene, tmp_path: Path
+) -> None:
+    shaders = {
+        name: f"void resolve() {{ {name} = read_opaque_depth(); }}" for name in ("one", "four")
+    }
+    passes = SEPARATE.replace("Gather", "Resolve").replace("writes", "reads=D, writes")
+    folder = write_method(
+        tmp_path / "reading",
+        passes.replace("D,", '("opaque_depth",),'),
+        TARGETS,
+        members="sample_count = 4",
+        **shaders,
+    )
+    with opened(device, rotated, foreign_method(folder), (64, 64)) as frame:
+        frame.render()
+        one, four = frame.read("one"), frame.read("four")
+    with opened(device, rotated, "alpha_blend", (64, 64)) as frame:
+        frame.render()
+        np.testing.assert_array_equal(one, frame.read("opaque_depth"))
+    assert len(np.unique(one)) == 2
+    assert len(np.unique(four)) > 2
+
+
 def test_a_pass_that_writes_single_and_other_targets_is_refused(
     device: Device, rotated: Scene, tmp_path: Path
 ) -> None:

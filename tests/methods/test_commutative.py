@@ -10,8 +10,7 @@ from hypothesis import strategies as st
 from oitbench.gl.device import Device
 from oitbench.gl.frame import Image
 from oitbench.measure.oracle import composite
-from oitbench.modeling.mesh import quad
-from oitbench.scene import Camera, Floats, FragmentLists, Material, Object, Scene
+from oitbench.scene import Floats, FragmentLists
 from tests.helpers import (
     BACKGROUND,
     BLUE,
@@ -168,29 +167,3 @@ def test_clear_layers_do_not_change_the_mean(device: Device) -> None:
 )
 def test_memory_depends_on_the_formats(device: Device, name: str, bits: int) -> None:
     assert bits_per_pixel(device, scene_of(random_lists(1)), name) == bits
-
-
-def test_four_samples_antialias_edges(device: Device) -> None:
-    half = quad((0, 0, -4), (0.9, 0.3, 0), (-0.3, 0.9, 0))
-    pane = Object("pane", half, Material(0.5, emission=RED))
-    scene = Scene("edges", Camera((0, 0, 0), (0, 0, -1)), (pane,), background=BLUE)
-    smooth = render(device, scene, "weighted_blended", size=(256, 256))
-    smooth = smooth.reshape(64, 4, 64, 4, 3).mean(axis=(1, 3))
-    one, four = (
-        abs(render(device, scene, f"weighted_blended[msaa={n}]", size=(64, 64)) - smooth)
-        for n in (1, 4)
-    )
-    assert four.mean() < 0.6 * one.mean()
-    # Each of four samples replaces four of the sixteen.
-    assert four.max() <= 0.5 * 3 / 16 + 0.01
-
-
-@pytest.mark.parametrize("equation", [7, 10])
-def test_four_samples_do_not_change_pixels_that_are_covered_completely(
-    device: Device, equation: int
-) -> None:
-    lists = random_lists(5)
-    one, four = (
-        render(device, lists, f"weighted_blended[weight={equation},msaa={n}]") for n in (1, 4)
-    )
-    np.testing.assert_array_equal(one, four)

@@ -27,7 +27,6 @@ FURTHER = (
     "stochastic[correction=none]",
     "stochastic[correction=alpha]",
     "stochastic[samples=4]",
-    "weighted_blended[msaa=4]",
     "weighted_sum[clamp=true,precision=float]",
 )
 """Variants in addition to those of `oitbench stability`."""

@@ -19,8 +19,9 @@ from tests.helpers import foreign_method, method, run_checks, variants, write_me
 from tests.stability.helpers import CHECKS, COVERAGE, examine, writing
 
 
-def test_all_choices_of_precision_are_variants() -> None:
+def test_all_choices_of_precision_and_of_samples_are_variants() -> None:
     labels = [m.label for m in variants(["weighted_blended"])]
+    assert "weighted_blended[msaa=4]" in labels
     assert "weighted_blended[precision=float]" in labels
     assert "weighted_blended[weight=7]" in labels
     assert len(labels) == len(set(labels))
@@ -31,6 +32,7 @@ def test_variants_have_a_fixed_order() -> None:
         "weighted_average",
         "weighted_average[precision=float]",
         "weighted_average[count=r32f]",
+        "weighted_average[msaa=4]",
     ]
 
 

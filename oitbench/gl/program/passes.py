@@ -23,7 +23,13 @@ from oitbench.gl.program.source import Source
 from oitbench.gl.tiling import Scissor
 from oitbench.method.formats import Format
 from oitbench.method.passes import OPAQUE_DEPTH, Gather, Pass, Resolve
-from oitbench.method.steps import indexed_families, is_programmable, is_single, subsample_of
+from oitbench.method.steps import (
+    indexed_families,
+    is_programmable,
+    is_single,
+    shades_samples,
+    subsample_of,
+)
 from oitbench.method.storage import Buffer, Target
 
 DEPTH_COPY, DEPTH_AT_CENTERS = "opaque_depth_copy", "opaque_depth_at_centers"
@@ -241,22 +247,9 @@ def compile_pass(
     return compiled
 
 
-def _is_per_sample(blueprint: Blueprint, step: Pass) -> bool:
-    """Return whether each sample of a fragment is shaded for itself.
-
-    A pass that reads samples one by one is, and its fragments have the depths of the samples. All
-    that it reads must come from fragments with the same depths.
-    """
-    if blueprint.samples == 1 or not isinstance(step, Gather):
-        return False
-    return not blueprint.per_sample.isdisjoint((*step.reads, *step.writes))
-
-
 def attach(device: Device, texture: moderngl.Texture, entry: Format) -> moderngl.Framebuffer:
     """Return a framebuffer with one texture, of color or of depth."""
-    if entry.depth:
-        return device.framebuffer([], texture)
-    return device.framebuffer([texture])
+    return device.framebuffer([], texture) if entry.depth else device.framebuffer([texture])
 
 
 def _depth(
@@ -270,8 +263,13 @@ def _depth(
     # A framebuffer needs an attachment even if the pass only writes buffers.
     if isinstance(step, Resolve) and step.writes:
         return None
+    return textures[_opaque_depth(blueprint, step)]
+
+
+def _opaque_depth(blueprint: Blueprint, step: Pass) -> str:
+    """Return the name of the opaque depth at the places that the pass rasterizes."""
     centers = blueprint.samples > 1 and is_single(step, blueprint.targets)
-    return textures[DEPTH_AT_CENTERS if centers else OPAQUE_DEPTH]
+    return DEPTH_AT_CENTERS if centers else OPAQUE_DEPTH
 
 
 def _tests_in_shader(geometry: Geometry, step: Pass) -> bool:
@@ -288,9 +286,11 @@ def _samplers(
     blueprint: Blueprint, geometry: Geometry, step: Pass, textures: Mapping[str, moderngl.Texture]
 ) -> dict[str, Sampled]:
     samplers: dict[str, Sampled] = {f"{name}_texture": textures[name] for name in step.reads}
+    if OPAQUE_DEPTH in step.reads:
+        depth = _opaque_depth(blueprint, step)
+        copied = isinstance(step, Gather) and depth == OPAQUE_DEPTH
+        samplers[f"{OPAQUE_DEPTH}_texture"] = textures[DEPTH_COPY if copied else depth]
     if isinstance(step, Gather):
-        if OPAQUE_DEPTH in step.reads:
-            samplers[f"{OPAQUE_DEPTH}_texture"] = textures[DEPTH_COPY]
         if _tests_in_shader(geometry, step):
             samplers["tested_depth"] = textures[OPAQUE_DEPTH]
         samplers.update(geometry.textures)
@@ -337,7 +337,10 @@ def _sources(blueprint: Blueprint, geometry: Geometry, step: Pass) -> tuple[Sour
         fragment.add_text("main", "void main() { if (!gl_HelperInvocation) { resolve(); } }")
         vertex.add_engine_file("screen.vert.glsl")
         return vertex, fragment
-    fragment.add_text("prelude (scene)", geometry.macros)
+    places = prelude.interpolation(samples, shades_samples(step, blueprint.per_sample))
+    for source in (vertex, fragment):
+        source.add_text("prelude (samples)", places)
+        source.add_text("prelude (scene)", geometry.macros)
     if detailed:
         if shading.medium:
             fragment.add_text("prelude (medium)", shading.medium)
@@ -345,15 +348,12 @@ def _sources(blueprint: Blueprint, geometry: Geometry, step: Pass) -> tuple[Sour
         fragment.add_engine_file("shading.glsl")
         if shading.occluded:
             fragment.add_engine_file("inferred_occlusion.glsl")
-    if _is_per_sample(blueprint, step):
-        fragment.add_text("prelude (samples)", "#define PER_SAMPLE 1")
     if _tests_in_shader(geometry, step):
         fragment.add_text("prelude (depth)", "#define TESTS_DEPTH 1")
     fragment.add_engine_file("fragment.glsl")
     _add_shader(fragment, blueprint, step)
     fragment.add_text("prelude (deliver)", prelude.deliver(step, mechanism))
     fragment.add_engine_file("lists.frag.glsl" if geometry.has_lists else "surface.frag.glsl")
-    vertex.add_text("prelude (scene)", geometry.macros)
     vertex.add_engine_file("view.glsl")
     vertex.add_engine_file("surface.vert.glsl")
     return vertex, fragment

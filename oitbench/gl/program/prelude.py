@@ -12,8 +12,8 @@ from oitbench.effects import Effect, names
 from oitbench.gl.capabilities import FETCH, INTERLOCK, SPIN_LOCK
 from oitbench.method.blending import Blend
 from oitbench.method.declaration import Method
-from oitbench.method.passes import BLUE_NOISE, Gather, Pass
-from oitbench.method.steps import indexed_families, is_programmable
+from oitbench.method.passes import BLUE_NOISE, OPAQUE_DEPTH, Gather, Pass
+from oitbench.method.steps import indexed_families, is_programmable, is_single
 from oitbench.method.storage import Target
 
 
@@ -44,6 +44,21 @@ def pass_macros(item: Pass) -> str:
     if item.depth is not None:
         lines.append("#define OWN_DEPTH 1")
     return "\n".join(lines)
+
+
+def interpolation(samples: int, per_sample: bool) -> str:
+    """Return where values between vertices are taken: `PLACED` for places, `INSIDE` for others.
+
+    With several samples a pixel's center may lie outside of the triangle, where colors and normals
+    that are extended over it have no meaning.
+    """
+    if samples == 1:
+        return "#define PLACED\n#define INSIDE"
+    if per_sample:
+        return (
+            "#define PLACED sample\n#define INSIDE sample\n#define OF_SEVERAL\n#define PER_SAMPLE"
+        )
+    return "#define PLACED\n#define INSIDE centroid\n#define OF_SEVERAL"
 
 
 def outputs(item: Pass, targets: Mapping[str, Target], mechanism: str = FETCH) -> str:
@@ -93,12 +108,16 @@ def indexed(item: Pass, targets: Mapping[str, Target]) -> str:
 
 
 def reads(item: Pass, targets: Mapping[str, Target], samples: int = 1) -> str:
-    """Return `read_NAME()` for each target that the pass reads; of several samples, its own."""
+    """Return `read_NAME()` for each target that the pass reads; of several samples, its own.
+
+    A pass into targets of one sample per pixel reads the opaque depth at pixel centers.
+    """
     lines = []
     for name in item.reads:
         entry = targets[name].texel
         swizzle = {1: ".r", 2: ".rg", 3: ".rgb"}.get(entry.components, "")
-        several = samples > 1 and not targets[name].single
+        at_center = name == OPAQUE_DEPTH and is_single(item, targets)
+        several = samples > 1 and not (targets[name].single or at_center)
         sampler = f"{'u' if entry.integer else ''}sampler2D{'MS' if several else ''}"
         sample = "gl_SampleID" if several else "0"
         # The mask repeats; pixels and shifts are not negative.

@@ -1,5 +1,5 @@
 // Reads one fragment of a given list and passes it to the method.
-in vec3 v_radiance;
+INSIDE in vec3 v_radiance;
 flat in float v_layer;
 
 uniform sampler2DArray list_radiance;       // L, alpha

@@ -1,12 +1,21 @@
 // Shades one fragment of a mesh and passes it to the method.
-in vec2 v_uv;
-in vec3 v_radiance;
-in vec3 v_position;   // relative to the camera, m
+PLACED in vec2 v_uv;
+INSIDE in vec3 v_radiance;
+INSIDE in vec3 v_position;   // relative to the camera, m
 flat in vec3 v_transmission;
 flat in float v_coverage;
 flat in float v_layer;
-in vec3 v_normal;
+INSIDE in vec3 v_normal;
 flat in float v_material;
+
+#ifdef OF_SEVERAL
+// One. Where values are not taken at the pixel's center, llvmpipe still divides them by its w, and
+// errs by a common factor.
+INSIDE in float v_one;
+#define CORRECTED(value) ((value) / v_one)
+#else
+#define CORRECTED(value) (value)
+#endif
 
 #ifdef TEXTURED
 #include "textures.glsl"
@@ -36,7 +45,7 @@ const float WHOLE = 254.0 / 255.0;
 
 void main() {
     Fragment fragment;
-    fragment.radiance = v_radiance * radiance_gain;
+    fragment.radiance = CORRECTED(v_radiance) * radiance_gain;
     fragment.coverage = v_coverage;
     fragment.transmission = v_transmission;
 #ifdef PLANES
@@ -46,7 +55,8 @@ void main() {
 #endif
     fragment.z = view_distance(fragment.inverse_depth);
     fragment.depth = window_depth(fragment.inverse_depth);
-    fragment.position = v_position + origin.xyz;
+    vec3 position = CORRECTED(v_position);
+    fragment.position = position + origin.xyz;
     fragment.normal = vec3(0.0);
     fragment.incidence = 1.0;
     fragment.index = 1.0;
@@ -57,15 +67,20 @@ void main() {
 #endif
     // Outside any branch, and before any discard: derivatives need the whole quad.
 #ifdef DETAILED
-    vec3 toward = normalize(eye.xyz - eye.w * v_position);
-    vec3 normal = facing_normal(toward);
+    vec3 toward = normalize(eye.xyz - eye.w * position);
+    vec3 normal = facing_normal(position, toward);
+#endif
+#ifdef PER_SAMPLE
+    vec2 uv = CORRECTED(v_uv);
+#else
+    vec2 uv = v_uv;
 #endif
 #ifdef VARIED
-    look_up_variation(v_uv, int(v_material + 0.5));
+    look_up_variation(uv, int(v_material + 0.5));
 #endif
     vec2 gradient = vec2(0.0);   // of the coverage, a pixel
 #ifdef TEXTURED
-    vec4 texel = filtered_texel(v_uv, int(max(v_layer, 0.0)));
+    vec4 texel = filtered_texel(uv, int(max(v_layer, 0.0)));
     vec2 slope = vec2(dFdx(texel.a), dFdy(texel.a));
     if (v_layer >= 0.0) {
         gradient = v_coverage * slope;
@@ -98,7 +113,7 @@ void main() {
     }
 #endif
 #ifdef DETAILED
-    add_reflection(fragment, normal, toward, gradient);
+    add_reflection(fragment, position, normal, toward, gradient);
 #endif
     DELIVER(fragment)
 }

@@ -1,4 +1,5 @@
 // One vertex shader for every pass that rasterizes geometry, so that depths agree bit for bit.
+// INSIDE and PLACED say where values are taken if pixels have several samples.
 in vec3 in_position;   // relative to the camera, m
 in vec2 in_uv;
 in vec3 in_radiance;
@@ -17,19 +18,22 @@ flat out vec3 v_plane;
 in vec3 in_albedo;
 in vec3 in_passing;
 in float in_part;
-out vec3 v_albedo;
-out vec3 v_passing;
-out float v_part;
+INSIDE out vec3 v_albedo;
+INSIDE out vec3 v_passing;
+INSIDE out float v_part;
 #endif
 
-out vec2 v_uv;
-out vec3 v_radiance;
-out vec3 v_position;
+PLACED out vec2 v_uv;
+INSIDE out vec3 v_radiance;
+INSIDE out vec3 v_position;
 flat out vec3 v_transmission;
 flat out float v_coverage;
 flat out float v_layer;
-out vec3 v_normal;
+INSIDE out vec3 v_normal;
 flat out float v_material;
+#ifdef OF_SEVERAL
+INSIDE out float v_one;
+#endif
 invariant gl_Position;
 
 void main() {
@@ -46,6 +50,10 @@ void main() {
     v_albedo = in_albedo;
     v_passing = in_passing;
     v_part = in_part;
+#endif
+#ifdef OF_SEVERAL
+    // Always one: compilers do not interpolate constants.
+    v_one = in_material < 1e9 ? 1.0 : 0.0;
 #endif
     v_position = in_position;
     v_uv = in_uv;

@@ -1,9 +1,9 @@
 // What varies over a surface beside emission and coverage, and what is not drawn of it. Only scenes that
 // have some compile this; the table: oitbench/gl/surface_textures.py.
 #ifdef VERTEX_FACTORS
-in vec3 v_albedo;    // factors
-in vec3 v_passing;
-in float v_part;
+INSIDE in vec3 v_albedo;    // factors
+INSIDE in vec3 v_passing;
+INSIDE in float v_part;
 // Interpolation between equal vertices turns 1 into 0.9999999.
 const float ALMOST_ONE = 1.0 - 1e-6;
 #endif
@@ -56,9 +56,11 @@ void look_up_variation(vec2 uv, int material) {
 #endif
 #endif
 #ifdef VERTEX_FACTORS
-    varied.albedo *= mix(v_albedo, vec3(1.0), greaterThan(v_albedo, vec3(ALMOST_ONE)));
-    varied.transmission *= mix(v_passing, vec3(1.0), greaterThan(v_passing, vec3(ALMOST_ONE)));
-    varied.coverage = v_part > ALMOST_ONE ? 1.0 : v_part;
+    vec3 albedo = CORRECTED(v_albedo), passing = CORRECTED(v_passing);
+    float part = CORRECTED(v_part);
+    varied.albedo *= mix(albedo, vec3(1.0), greaterThan(albedo, vec3(ALMOST_ONE)));
+    varied.transmission *= mix(passing, vec3(1.0), greaterThan(passing, vec3(ALMOST_ONE)));
+    varied.coverage = part > ALMOST_ONE ? 1.0 : part;
 #endif
 }
 

@@ -10,7 +10,7 @@ from collections.abc import Mapping
 
 from oitbench.effects import Effect
 from oitbench.method.blending import OVER, PROGRAMMABLE
-from oitbench.method.declaration import Method, Plan, Request
+from oitbench.method.declaration import MSAA, Method, Plan, Request
 from oitbench.method.passes import Gather, Resolve
 from oitbench.method.storage import Target
 
@@ -31,6 +31,7 @@ class BoundedNodes(Method):
     """
 
     expresses = Effect.COVERAGE
+    msaa = MSAA
     k: int
     node: str
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 from typing import ClassVar
 
 from oitbench.effects import Effect
-from oitbench.method.declaration import Method, Plan, Request
+from oitbench.method.declaration import MSAA, Method, Plan, Request
 from oitbench.method.kits.linked_lists import RECORD_STEPS, linked_lists
 from oitbench.method.passes import Loop, Pass, Step
 from oitbench.method.storage import Target
@@ -32,7 +32,7 @@ class CurveMethod(Method):
         choices=("compact", "precise"),
         help="record of a list; `compact` clips radiance above one and holds 8 bits per value",
     )
-    msaa = Parameter(1, choices=(1, 4), help="samples per pixel")
+    msaa = MSAA
 
     traversals: ClassVar[int]
     """Number of times that one shader invocation traverses its list."""
