@@ -82,7 +82,7 @@ def test_a_record_has_all_facts_for_reports(finished: Path) -> None:
     assert counts is not None
     np.testing.assert_array_equal(counts, np.full(SIZE[::-1], layers))
     heads = next(term for term in outcome.memory.terms if term.resource == "heads")
-    assert heads.bytes == 4 * 32 * 32
+    assert heads.bytes == 8 * 32 * 32
     assert outcome.traffic.bytes == sum(term.bytes for term in outcome.traffic.terms)
     assert outcome.nonfinite == Nonfinite()
     error = record.metric("exact", "rmse_lin")
@@ -94,7 +94,7 @@ def test_a_record_has_all_facts_for_reports(finished: Path) -> None:
     assert record.time is not None
     assert len(record.time.method_ms.samples) == 9
     assert record.time.method_ms.ends is not None
-    parts = ["start of the frame", "capture", "resolve_sorted"]
+    parts = ["start of the frame", "count", "allocate", "capture", "resolve_sorted"]
     assert [part.name for part in record.time.passes] == parts
     assert record.time.block.cpu == machine.processor()
     assert record.time.block.foreign is not None

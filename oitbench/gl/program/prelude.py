@@ -13,7 +13,7 @@ from oitbench.gl.capabilities import FETCH, INTERLOCK, SPIN_LOCK
 from oitbench.method.blending import Blend
 from oitbench.method.declaration import Method
 from oitbench.method.passes import Gather, Pass
-from oitbench.method.steps import indexed_families, is_programmable
+from oitbench.method.steps import indexed_families, is_counter, is_programmable
 from oitbench.method.storage import Target
 
 
@@ -54,10 +54,12 @@ def outputs(item: Pass, targets: Mapping[str, Target], mechanism: str = FETCH) -
     item : Gather or Resolve
     targets : mapping of str to Target
     mechanism : str
-        Way of programmable blending, for passes that need it.
+        Way of programmable blending or of counting, for passes that need it.
     """
     if is_programmable(item):
         return _programmable(item, targets, mechanism)
+    if is_counter(item):
+        return _counter(next(iter(item.writes)), mechanism)
     lines = []
     for slot, (name, blend) in enumerate(item.writes.items()):
         lines += _output(slot, name, targets[name].texel.glsl, blend)
@@ -108,6 +110,21 @@ def reads(item: Pass, targets: Mapping[str, Target], samples: int = 1) -> str:
             f"{entry.glsl} read_{name}() {{ return read_{name}(ivec2(gl_FragCoord.xy)); }}",
         ]
     return "\n".join(lines)
+
+
+def _counter(name: str, mechanism: str) -> str:
+    if mechanism == FETCH:
+        return (
+            f"layout(location = 0) inout uint {name};\nuint count_{name}() {{ return {name}++; }}"
+        )
+    return "\n".join(
+        (
+            "layout(early_fragment_tests) in;",
+            f"layout(r32ui, binding = 0) coherent uniform uimage2D {name}_image;",
+            f"uint count_{name}() {{"
+            f" return imageAtomicAdd({name}_image, ivec2(gl_FragCoord.xy), 1u); }}",
+        )
+    )
 
 
 def _programmable(item: Pass, targets: Mapping[str, Target], mechanism: str) -> str:
@@ -168,6 +185,8 @@ def deliver(item: Gather, mechanism: str) -> str:
 def extensions(item: Pass, mechanism: str, samples: int) -> tuple[str, ...]:
     """Return the GLSL extensions that the pass needs."""
     found: list[str] = []
+    if is_counter(item) and mechanism == FETCH:
+        found.append("GL_EXT_shader_framebuffer_fetch")
     if is_programmable(item):
         found += {
             FETCH: ["GL_EXT_shader_framebuffer_fetch"],
