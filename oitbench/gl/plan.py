@@ -157,6 +157,14 @@ class FramePlan:
                 if name in self.targets and name not in written | swapped:
                     raise DeclarationError(f"{item.shader}: reads '{name}', but no pass writes it")
 
+        for loop in (step for step in self.steps if isinstance(step, Loop) and step.within):
+            written = {name for item in loop.passes for name in item.writes}
+            if self.samples > 1 or loop.within not in written:
+                raise DeclarationError(
+                    f"{loop.passes[0].shader}: the loop is within '{loop.within}', which one of its"
+                    " passes must write, with one sample per pixel"
+                )
+
     @cached_property
     def declared(self) -> Mapping[str, Target]:
         """All targets that passes can name, including those of the frame itself."""

@@ -149,12 +149,18 @@ class Loop:
     swaps : tuple of (str, str)
         Pairs of targets of one format that trade places after each round, so that a pass can read
         the result of the previous round. They are back in place when the loop ends.
+    within : str, optional
+        Target that marks, by texels that are not zero, the parts of the frame in which the next
+        round has work. It is read back after each round. The passes of the next one draw only the
+        rectangle around all marks; their clears still clear the whole frame. The loop ends when
+        nothing is marked.
     """
 
     passes: tuple[Pass, ...]
     times: int
     until_empty: str | None = None
     swaps: tuple[tuple[str, str], ...] = ()
+    within: str | None = None
 
 
 Step = Gather | Resolve | Interleaved | Loop

@@ -23,6 +23,7 @@ from oitbench.gl.uploaded_scene import UploadedScene
 from oitbench.measure import accounting
 from oitbench.measure.clock import Clock, WallClock, clock_of
 from oitbench.measure.timing import time_method
+from oitbench.method.declaration import Method
 from oitbench.method.passes import Gather
 from oitbench.plugins import Collection
 from tests.benchmarks.speed import BASE, frames_of, overlapping_quads
@@ -62,9 +63,8 @@ def ratio(samples: list[float], base: list[float]) -> str:
     return f"{median:8.2f}x {min(samples) / min(base):8.2f}x"
 
 
-def work(uploaded: UploadedScene, name: str, size: tuple[int, int]) -> str:
+def work(uploaded: UploadedScene, method: Method, size: tuple[int, int]) -> str:
     """Return the geometry passes, the memory and the traffic of a method."""
-    (method,) = Collection.load().expand_methods([name])
     effects = uploaded.scene.effects & method.shows
     with Frame(uploaded, method, size, effects, counted=True) as frame:
         frame.render()
@@ -86,13 +86,15 @@ def main() -> None:
     device, size = Device(), (options.size, options.size)
     with UploadedScene(device, overlapping_quads()) as uploaded, clock_of(device) as gpu:
         clock: Clock = WallClock(device.finish, time.process_time) if device.software else gpu
-        frames = frames_of(uploaded, [BASE, *options.methods], size)
+        names = [BASE, *options.methods]
+        methods = {found.label: found for found in Collection.load().expand_methods(names)}
+        frames = frames_of(uploaded, names, size)
         fragments = int(frames[BASE].complexity.sum())
         print(f"{device.renderer}: {options.size}², {fragments / 1e6:.2f} M fragments")
         whole, parts = sample(frames, clock, options.rounds)
         print(f"{'':48}{'median':>9} {'shortest':>9}  passes  bytes/pixel  bytes/fragment")
         for name, samples in whole.items():
-            print(f"{name:48}{ratio(samples, whole[BASE])} {work(uploaded, name, size)}")
+            print(f"{name:48}{ratio(samples, whole[BASE])} {work(uploaded, methods[name], size)}")
             for key, laps in parts.items():
                 owner, _, part = key.partition(": ")
                 if owner == name:

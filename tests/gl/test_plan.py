@@ -107,6 +107,15 @@ def test_a_counter_is_one_word_and_alone(step: Step, message: str) -> None:
         planned(step, targets=targets)
 
 
+@pytest.mark.parametrize(("within", "samples"), [("other", 1), ("left", 4)])
+def test_a_loop_is_within_a_target_of_its_passes(within: str, samples: int) -> None:
+    targets = {"left": Target("r8", subsample=16), "other": Target("r8", subsample=16)}
+    mark = Resolve("mark.glsl", writes={"left": REPLACE})
+    planned(Loop((mark,), times=2, within="left"), targets=targets)
+    with pytest.raises(DeclarationError, match=f"mark.glsl: the loop is within '{within}'"):
+        planned(Loop((mark,), times=2, within=within), targets=targets, samples=samples)
+
+
 def test_fixed_blending_needs_no_mechanism() -> None:
     def refuse(samples: int) -> str:
         raise AssertionError(f"no mechanism is needed at {samples} samples")

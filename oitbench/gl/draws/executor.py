@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Mapping, Sequence
 from contextlib import nullcontext
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import moderngl
 import numpy as np
@@ -55,6 +55,8 @@ class Executor:
         Copies the first of two named targets to the second; for loops that swap targets.
     take_counts : callable, optional
         Returns the accesses to buffers since its last call.
+    marked : callable, optional
+        Returns the part of a scissor that a named target marks; for loops `within` one.
     """
 
     def __init__(
@@ -63,8 +65,9 @@ class Executor:
         views: Mapping[int, moderngl.Buffer],
         copy: Callable[[str, str], None] | None = None,
         take_counts: Callable[[], dict[Access, int]] = _no_counts,
+        marked: Callable[[str, Scissor], Scissor | None] | None = None,
     ) -> None:
-        self._device, self._views = device, views
+        self._device, self._views, self._marked = device, views, marked
         self._copy, self._take_counts = copy, take_counts
 
     def issue(
@@ -124,6 +127,9 @@ class Executor:
                 lap(first + index)
                 empty = empty or (queried and passed == 0)
             done = number + 1
+            if loop.within and self._marked and draws.scissor:
+                part = self._marked(loop.within, draws.scissor)
+                draws, empty = replace(draws, part=part), empty or part is None
             if empty:
                 break
         if done % 2 and self._copy is not None and loop.swaps:
@@ -147,6 +153,8 @@ class _Draws:
     scissor: Scissor | None
     records: Sequence[PassRecord] | None
     take_counts: Callable[[], dict[Access, int]]
+    part: Scissor | None = None
+    """Part of `scissor` in which passes draw; clears fill all of it."""
 
     def interleave(self, compiled: CompiledStep) -> None:
         """Draw all passes for one unit before the next unit."""
@@ -170,7 +178,8 @@ class _Draws:
             framebuffer.use()
             framebuffer.scissor = self._within(framebuffer, item)
             self.device.clear(0, entry, value)
-        item.begin(self.views[item.subsample], self._within(item.framebuffer, item))
+        part = self.part if item.subsample == 1 else None
+        item.begin(self.views[item.subsample], part or self._within(item.framebuffer, item))
         with query or nullcontext():
             self._submit(item, unit)
         passed = int(query.samples) if query is not None else 0
