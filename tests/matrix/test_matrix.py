@@ -72,7 +72,12 @@ def test_a_record_has_all_facts_for_reports(finished: Path) -> None:
     record = next(r for r in records_of(finished) if r.method == "a_buffer[node=compact]")
     outcome = outcome_of(record)
     assert record.name == "a_buffer"
-    assert outcome.parameters == {"node": "compact", "resolve": "sorted", "msaa": 1}
+    assert outcome.parameters == {
+        "node": "compact",
+        "resolve": "sorted",
+        "storage": "counted",
+        "msaa": 1,
+    }
     assert record.size == SIZE
     assert outcome.effects == EffectNames(["COVERAGE"], ["COVERAGE"], [])
     layers = 3 if record.scene == "calm" else 5
