@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -124,9 +125,12 @@ def test_fragments_beyond_the_counted_ones_do_not_reach_the_next_list(
             few = Gather("few.glsl", writes={"stored": COUNT})
             return Plan(plan.targets, (few, *plan.passes[1:]), plan.buffers)
 
+    # Each pixel has a color of its own, in both layers.
+    colors = np.random.default_rng(1).random((4, 4, 3), dtype=np.float32)
     lists = stack([Layer(2.0, 0.5, RED), Layer(3.0, 0.5, RED)], side=4)
+    lists = replace(lists, radiance=np.stack([colors, colors]))
     found = render(device, scene_of(lists, BLUE), Few())
-    np.testing.assert_allclose(found, np.broadcast_to([0.5, 0.0, 0.5], found.shape), atol=1e-6)
+    np.testing.assert_allclose(found, 0.5 * colors + 0.5 * np.array(BLUE), atol=1e-6)
 
 
 @pytest.mark.parametrize("copies", [2, 33, 70])
