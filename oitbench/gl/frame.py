@@ -25,7 +25,7 @@ from oitbench.gl.resources import Resources
 from oitbench.gl.shading.backdrop import Backdrop
 from oitbench.gl.shading.lighting import Lighting
 from oitbench.gl.shading.occlusion import Occlusion, occludes
-from oitbench.gl.tiling import Counts, Scissor, rectangle, sum_by_tile
+from oitbench.gl.tiling import Counts, sum_by_tile
 from oitbench.gl.uploaded_scene import UploadedScene
 from oitbench.image.values import Values
 from oitbench.method.declaration import Method
@@ -179,7 +179,7 @@ class Frame(Owner):
         self.orders = self.own(DrawOrders(device.context, geometry.batches, plan.passes))
         self._steps = [self._compile(blueprint, step) for step in plan.steps]
         self._executor = Executor(
-            device, self._views, self.resources.copy, self.resources.take_counts, self._marked
+            device, self._views, self.resources.copy, self.resources.take_counts, self.texels
         )
         self.resources.reserve(sum_by_tile(self.complexity, self.resources.tiles))
 
@@ -355,11 +355,6 @@ class Frame(Owner):
                 if needed is not None:
                     missing = needed if missing is None else np.maximum(missing, needed)
         return missing
-
-    def _marked(self, target: str, scissor: Scissor) -> Scissor | None:
-        """Return the part of `scissor` that the texels of a target mark, None if there is none."""
-        blocks = np.flipud(self.texels(target)[..., 0] != 0)
-        return rectangle(blocks, self.plan.declared[target].subsample, scissor)
 
     def image(self) -> Image:
         """Return the color, shape (h, w, 3), linear, top row first; samples are averaged."""

@@ -14,8 +14,9 @@ from oitbench.gl.device import Device
 from oitbench.gl.draws.records import PassRecord, no_lap
 from oitbench.gl.program.bindings import Access
 from oitbench.gl.program.passes import CompiledPass
-from oitbench.gl.tiling import Scissor
+from oitbench.gl.tiling import Scissor, rectangle
 from oitbench.gl.view import ITERATION_OFFSET
+from oitbench.image.values import Values
 from oitbench.method.passes import Gather, Interleaved, Loop, Step
 
 
@@ -55,8 +56,8 @@ class Executor:
         Copies the first of two named targets to the second; for loops that swap targets.
     take_counts : callable, optional
         Returns the accesses to buffers since its last call.
-    marked : callable, optional
-        Returns the part of a scissor that a named target marks; for loops `within` one.
+    texels : callable, optional
+        Returns the texels of a named target, top row first; for loops `within` one.
     """
 
     def __init__(
@@ -65,9 +66,9 @@ class Executor:
         views: Mapping[int, moderngl.Buffer],
         copy: Callable[[str, str], None] | None = None,
         take_counts: Callable[[], dict[Access, int]] = _no_counts,
-        marked: Callable[[str, Scissor], Scissor | None] | None = None,
+        texels: Callable[[str], Values] | None = None,
     ) -> None:
-        self._device, self._views, self._marked = device, views, marked
+        self._device, self._views, self._texels = device, views, texels
         self._copy, self._take_counts = copy, take_counts
 
     def issue(
@@ -127,8 +128,10 @@ class Executor:
                 lap(first + index)
                 empty = empty or (queried and passed == 0)
             done = number + 1
-            if loop.within and self._marked and draws.scissor:
-                part = self._marked(loop.within, draws.scissor)
+            if loop.within and self._texels and draws.scissor:
+                side = next(p.subsample for p in compiled.passes if loop.within in p.step.writes)
+                marked = self._texels(loop.within)[::-1, :, 0] != 0
+                part = rectangle(marked, side, draws.scissor)
                 draws, empty = replace(draws, part=part), empty or part is None
             if empty:
                 break

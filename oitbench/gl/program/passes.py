@@ -11,7 +11,7 @@ import moderngl
 
 from oitbench.effects import Effect
 from oitbench.errors import CapabilityError, DeclarationError
-from oitbench.gl.capabilities import ATOMICS, FETCH, SPIN_LOCK
+from oitbench.gl.capabilities import FETCH
 from oitbench.gl.device import Device
 from oitbench.gl.geometry import FACTORS, FACTORS_FORMAT, VERTEX, VERTEX_FORMAT, Geometry
 from oitbench.gl.ownership import Owner
@@ -23,13 +23,7 @@ from oitbench.gl.program.source import Source
 from oitbench.gl.tiling import Scissor
 from oitbench.method.formats import Format
 from oitbench.method.passes import OPAQUE_DEPTH, Gather, Pass, Resolve
-from oitbench.method.steps import (
-    indexed_families,
-    is_counter,
-    is_programmable,
-    is_single,
-    subsample_of,
-)
+from oitbench.method.steps import indexed_families, is_single, subsample_of
 from oitbench.method.storage import Buffer, Target
 
 DEPTH_COPY, DEPTH_AT_CENTERS = "opaque_depth_copy", "opaque_depth_at_centers"
@@ -308,21 +302,14 @@ def _images(
     blueprint: Blueprint, step: Pass, textures: Mapping[str, moderngl.Texture]
 ) -> list[moderngl.Texture]:
     """Return the images that replace targets where shaders blend without framebuffer fetch."""
-    mechanism = _mechanism(blueprint, step)
-    if mechanism == FETCH or not (is_programmable(step) or is_counter(step)):
-        return []
-    locks = ["lock"] if mechanism == SPIN_LOCK and is_programmable(step) else []
-    return [textures[name] for name in (*step.writes, *locks)]
-
-
-def _mechanism(blueprint: Blueprint, step: Pass) -> str:
-    """Return the way in which the shader of `step` blends, or counts, if it does."""
-    return ATOMICS if is_counter(step) and blueprint.samples > 1 else blueprint.mechanism
+    mechanism = prelude.mechanism_of(step, blueprint.mechanism, blueprint.samples)
+    return [textures[name] for name in prelude.images(step, mechanism)]
 
 
 def _sources(blueprint: Blueprint, geometry: Geometry, step: Pass) -> tuple[Source, Source]:
     """Return the vertex and the fragment shader of `step`."""
-    mechanism, targets, shading = _mechanism(blueprint, step), blueprint.targets, blueprint.shading
+    mechanism = prelude.mechanism_of(step, blueprint.mechanism, blueprint.samples)
+    targets, shading = blueprint.targets, blueprint.shading
     samples = 1 if is_single(step, targets) else blueprint.samples
     fragment = Source(blueprint.folders, prelude.extensions(step, mechanism, samples))
     fragment.add_text("prelude (macros)", prelude.effect_macros(blueprint.effects))

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from oitbench.effects import Effect, names
-from oitbench.gl.capabilities import FETCH, INTERLOCK, SPIN_LOCK
+from oitbench.gl.capabilities import ATOMICS, FETCH, INTERLOCK, SPIN_LOCK
 from oitbench.method.blending import Blend
 from oitbench.method.declaration import Method
 from oitbench.method.passes import Gather, Pass
@@ -110,6 +110,19 @@ def reads(item: Pass, targets: Mapping[str, Target], samples: int = 1) -> str:
             f"{entry.glsl} read_{name}() {{ return read_{name}(ivec2(gl_FragCoord.xy)); }}",
         ]
     return "\n".join(lines)
+
+
+def mechanism_of(item: Pass, mechanism: str, samples: int) -> str:
+    """Return the way in which the shader of a pass blends, or counts, if it does."""
+    return ATOMICS if is_counter(item) and samples > 1 else mechanism
+
+
+def images(item: Pass, mechanism: str) -> tuple[str, ...]:
+    """Return the targets that shaders access as images: where they blend or count without fetch."""
+    if mechanism == FETCH or not (is_programmable(item) or is_counter(item)):
+        return ()
+    locked = mechanism == SPIN_LOCK and is_programmable(item)
+    return (*item.writes, "lock") if locked else tuple(item.writes)
 
 
 def _counter(name: str, mechanism: str) -> str:
