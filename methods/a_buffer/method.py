@@ -6,22 +6,30 @@ The only method here that is exact for any geometry, order and depth complexity.
 depth are ordered by their content, never by arrival, so the image is the same for every order of
 the draws: bit for bit with `sorted`, to float rounding with `iterative`.
 
-`precise` records take 32 bytes: next, depth, and alpha L and tau as three floats each. `compact`
-records take 12 bytes: next, depth, and alpha L with net opacity in RGBA8 (AT section 4.2).
+`counted` lists take two passes over the geometry: the first counts the fragments of each pixel, so
+that the second stores them in records that follow each other. That is the default, since it needs
+fewer bytes and atomics a fragment, and less time where a pass over the geometry is cheap. `linked`
+lists take one pass. `python -m tests.benchmarks.exact` compares both.
 
-`sorted` composites the nearest records first (AT eq. 3); lists that do not fit in local arrays are
-merge-sorted in their links. `iterative` multiplies the visibility of each record over all nearer
-ones (AT eq. 2): no local array, but a quadratic number of list reads.
+`precise` records take 28 bytes: depth, and alpha L and tau as three floats each. `compact` records
+take 8 bytes: depth, and alpha L with net opacity in RGBA8 (AT section 4.2).
+
+`sorted` composites the nearest records first (AT eq. 3). Up to 32 records of different depths are
+sorted in registers; longer lists in memory, by a heap or, if linked, by merging their links.
+`iterative` multiplies the visibility of each record over all nearer ones (AT eq. 2): no local
+array, but a quadratic number of list reads.
 
 With `msaa` 4 each of four samples is resolved from the records whose coverage mask contains it. The
 mask takes the low four bits of the record's depth, which comparisons ignore (AT section 4.2):
 depths that differ by less than two millionths of themselves count as equal.
 
-Memory 4 B/pixel + 12 (or 32) B/fragment. Records come from one counter per screen tile of 64 x 64
-pixels, since all fragments of the frame would contend for a single counter. When a tile's share is
-used up, its counter still records the demand, and the frame is repeated with enough memory.
+Memory 12 B/pixel + 8 (or 28) B/fragment; `linked` 4 B/pixel + 12 (or 32) B/fragment. Records come
+from one counter per screen tile of 64 x 64 pixels. When a tile's share is used up, its counter
+still records the demand, and the frame is repeated with enough memory.
 
-Sources: Yang et al. 2010, "Real-Time Concurrent Linked List Construction on the GPU"; Salvi et al.
+Sources: Vasilakis & Fudos 2012, "S-buffer: Sparsity-aware Multi-fragment Rendering", for `counted`;
+Yang et al. 2010, "Real-Time Concurrent Linked List Construction on the GPU", for `linked`; Knowles
+et al. 2014, "Fast Sorting for Exact OIT of Complex Scenes", for sorting in registers; Salvi et al.
 2011, "Adaptive Transparency" (AT), equations 2 and 3. The two equations differ at exactly equal
 depths; here both order ties by content and agree.
 
@@ -31,7 +39,8 @@ Known failures: unbounded memory. `compact` quantizes to 8 bits, one step of 1/2
 import math
 
 import oitbench as oit
-from oitbench.method.kits.linked_lists import CAPTURE, LISTS, RECORD_STEPS, linked_lists
+from oitbench.method.kits.counted_lists import counted
+from oitbench.method.kits.linked_lists import RECORD_STEPS, linked
 
 
 class ABuffer(oit.Method):
@@ -42,8 +51,13 @@ class ABuffer(oit.Method):
         help="record; `compact` clips radiance above one and holds gray transmission only",
     )
     resolve = oit.Parameter("sorted", choices=("sorted", "iterative"), help="way of compositing")
+    storage = oit.Parameter(
+        "counted",
+        choices=("counted", "linked"),
+        help="lists: `counted` takes two passes over the geometry, `linked` more bytes a fragment",
+    )
     msaa = oit.Parameter(1, choices=(1, 4), help="samples per pixel")
-    truth = {"node": "precise", "resolve": "sorted", "msaa": 1}
+    truth = {"node": "precise", "resolve": "sorted", "storage": "counted", "msaa": 1}
 
     @property
     def promises(self) -> frozenset[str]:
@@ -67,19 +81,21 @@ class ABuffer(oit.Method):
         )
 
     def loop_steps(self, fragments: int) -> float:
-        # Merging takes n log2 n steps, and lists are traversed three times. Else 32 against all n.
-        depth = math.log2(max(fragments, 1)) + 3 if self.resolve == "sorted" else 34
+        # Sorting takes n log2 n steps and some for each record. Else 32 records against all n.
+        depth = math.log2(max(fragments, 1)) + 4 if self.resolve == "sorted" else 34
         return fragments * depth
 
     def plan(self, request: oit.Request) -> oit.Plan:
         color = oit.Target("rgba32f" if self.node == "precise" else "rgba16f")
+        lists = counted(self.node) if self.storage == "counted" else linked(self.node)
+        reads, buffers = tuple(lists.targets), tuple(lists.buffers)
         resolve = oit.Resolve(
-            f"resolve_{self.resolve}.glsl", writes={"color": oit.COMPOSITE}, buffers=LISTS
+            f"resolve_{self.resolve}.glsl", reads, {"color": oit.COMPOSITE}, buffers
         )
-        steps: tuple[oit.Step, ...] = (CAPTURE, resolve)
+        steps: tuple[oit.Step, ...] = (resolve,)
         if self.resolve == "iterative":
-            steps = (CAPTURE, oit.Loop((resolve,), until_empty=resolve.name))
+            steps = (oit.Loop((resolve,), until_empty=resolve.name),)
         elif self.msaa > 1:
             # The samples of a pixel share its list, so only one of them may sort it.
-            steps = (CAPTURE, oit.Resolve("sort_long.glsl", buffers=LISTS), resolve)
-        return oit.Plan({"color": color}, steps, linked_lists(self.node))
+            steps = (oit.Resolve("sort_all.glsl", reads, buffers=buffers), resolve)
+        return oit.Plan({"color": color, **lists.targets}, (*lists.fill, *steps), lists.buffers)

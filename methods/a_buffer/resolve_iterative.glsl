@@ -1,14 +1,14 @@
 // Visibility of each layer as the product over all nearer ones (AT eq. 2), CHUNK layers a round:
 // a software renderer limits how many steps the loops of one invocation may take.
-#include "node.glsl"
+#include "lists.glsl"
 
 const uint CHUNK = 32u;
 
 void resolve() {
-    uint head = heads_first(pixel_index());
+    uint head = list_first();
     uint node = head;
     for (uint i = 0u; i < iteration * CHUNK && node != NONE; ++i) {
-        node = nodes_next(node);
+        node = list_next(node);
     }
     if (iteration > 0u && node == NONE) {
         discard;
@@ -20,7 +20,7 @@ void resolve() {
         vec3 visible = vec3(1.0);
         total = vec3(1.0);
         bool seen_self = false;
-        for (uint other = head; other != NONE; other = nodes_next(other)) {
+        for (uint other = head; other != NONE; other = list_next(other)) {
             Layer front = load_layer(other);
             // Of equal layers the one earlier in the list counts as nearer; they are alike.
             bool equal = !nearer(front, layer) && !nearer(layer, front);
@@ -31,7 +31,7 @@ void resolve() {
             total *= factor;
         }
         sum += layer_seen(layer) ? visible * layer_color(layer) : vec3(0.0);
-        node = nodes_next(node);
+        node = list_next(node);
     }
     // The background is attenuated once; later rounds only add.
     color = vec4(sum, 1.0);

@@ -1,6 +1,9 @@
-// Composites a list front to back: a short one is sorted in local arrays, a long one in its links.
+// Composites a list front to back. A list of up to BATCH records is sorted in registers; a longer
+// one, or one with equal depths, whose order depends on content, in memory.
 #include "sort_list.glsl"
+#include "network.glsl"
 
+const float FAR = 3.4028235e38;
 vec3 sum = vec3(0.0);
 vec3 visible = vec3(1.0);
 
@@ -9,42 +12,46 @@ void composite(Layer layer) {
     visible *= layer_factor(layer);
 }
 
-// Inserts `layer` into the sorted batch of `count`.
-void insert(Layer layer, int count) {
-    int place = count;
-    while (place > 0 && nearer(layer, batch_layer(place - 1))) {
-        set_batch_layer(place, batch_layer(place - 1));
-        --place;
+void composite_list(uint node) {
+    for (; node != NONE; node = list_next(node)) {
+        Layer layer = load_layer(node);
+        if (layer_seen(layer)) {
+            composite(layer);
+        }
     }
-    set_batch_layer(place, layer);
+}
+
+// Sorts the batch from record `node` on; returns whether that is all, and all depths differ.
+bool sort_in_registers(uint node) {
+    for (int i = 0; i < BATCH; ++i) {
+        batch_depth[i] = node != NONE ? nodes_depth(node) : FAR;
+        batch_node[i] = node;
+        node = node != NONE ? list_next(node) : NONE;
+    }
+    sort_batch();
+    bool distinct = node == NONE;
+    for (int i = 1; i < BATCH; ++i) {
+        bool equal = batch_depth[i] == batch_depth[i - 1] && batch_node[i] != NONE;
+        distinct = distinct && !equal;
+    }
+    return distinct;
 }
 
 void resolve() {
-    uint head = heads_first(pixel_index());
-    int count = 0;
-    int kept = 0;
-    for (uint node = head; node != NONE && count <= BATCH; node = nodes_next(node)) {
-        Layer layer = load_layer(node);
-        if (count < BATCH && layer_seen(layer)) {
-            insert(layer, kept++);
-        }
-        ++count;
-    }
-    if (count <= BATCH) {
-        for (int i = 0; i < kept; ++i) {
-            composite(batch_layer(i));
-        }
-    } else {
+    uint first = list_first();
 #if MSAA == 1
-        head = sort_list(head);  // else done once a pixel, by sort_long.glsl
-#endif
-        for (uint node = head; node != NONE; node = nodes_next(node)) {
-            Layer layer = load_layer(node);
-            if (layer_seen(layer)) {
-                composite(layer);
+    if (sort_in_registers(first)) {
+        for (int i = 0; i < BATCH; ++i) {
+            if (batch_node[i] != NONE) {
+                composite(load_layer(batch_node[i], batch_depth[i]));
             }
         }
+    } else {
+        composite_list(sort_list(first));
     }
+#else
+    composite_list(first);  // sorted once for all samples, by sort_all.glsl
+#endif
     color = vec4(sum, 1.0);
     color_factor = vec4(visible, 0.0);
 }

@@ -3,8 +3,9 @@
     sum <- sum + T alpha L,    T <- T tau,    C = sum + T C0
 
 A fragment is peeled when its depth lies beyond the last peeled depth of its pixel, compared bit for
-bit. Peeling ends after the first pass in which no sample passes, or after `layers` passes;
-the result is then exact for these first layers. Fragments with zero coverage are not layers.
+bit. Each pass draws only the rectangle around the blocks of 16 x 16 pixels in which the one before
+it found a layer. Peeling ends after the first pass that finds none, or after `layers` passes; the
+result is then exact for these first layers. Fragments with zero coverage are not layers.
 
 Memory 40 B/pixel, or 72 with floats: two depths, the peeled layer, its transmittance, and the sum
 and the product of all layers.
@@ -18,6 +19,8 @@ plus one.
 """
 
 import oitbench as oit
+
+_BLOCK = 16
 
 
 class DepthPeeling(oit.Method):
@@ -50,11 +53,14 @@ class DepthPeeling(oit.Method):
         attenuate = oit.Resolve(
             "attenuate.glsl", reads=("factor",), writes={"through": oit.MODULATE}
         )
+        mark = oit.Resolve(
+            "mark.glsl", ("layer",), {"left": oit.REPLACE}, defines={"BLOCK": _BLOCK}
+        )
         loop = oit.Loop(
-            (peel, add, attenuate),
+            (peel, add, attenuate, mark),
             times=self.layers or None,
-            until_empty=peel.name,
             swaps=(("depth", "peeled"),),
+            within="left",
         )
         combine = oit.Resolve(
             "combine.glsl", reads=("sum", "through"), writes={"color": oit.COMPOSITE}
@@ -68,6 +74,7 @@ class DepthPeeling(oit.Method):
                 "factor": oit.Target(texel, clear=(1.0,)),
                 "sum": oit.Target(texel),
                 "through": oit.Target(texel, clear=(1.0,)),
+                "left": oit.Target("r8", subsample=_BLOCK),
             },
             passes=(loop, combine),
         )

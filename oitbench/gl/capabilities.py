@@ -14,6 +14,8 @@ CAPABILITIES: Mapping[str, tuple[str, ...]] = {
 """Capability names for `Method.requires`; any one of the extensions provides the capability."""
 
 FETCH, INTERLOCK, SPIN_LOCK = "framebuffer fetch", "interlock", "spin lock"
+ATOMICS = "atomics"
+"""Way of counting in a target that framebuffer fetch does not reach."""
 MECHANISMS: Mapping[str, str] = {
     FETCH: "framebuffer_fetch",
     INTERLOCK: "interlock",

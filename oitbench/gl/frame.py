@@ -179,7 +179,7 @@ class Frame(Owner):
         self.orders = self.own(DrawOrders(device.context, geometry.batches, plan.passes))
         self._steps = [self._compile(blueprint, step) for step in plan.steps]
         self._executor = Executor(
-            device, self._views, self.resources.copy, self.resources.take_counts
+            device, self._views, self.resources.copy, self.resources.take_counts, self.texels
         )
         self.resources.reserve(sum_by_tile(self.complexity, self.resources.tiles))
 

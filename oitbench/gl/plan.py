@@ -28,7 +28,15 @@ from oitbench.method.passes import (
     Resolve,
     Step,
 )
-from oitbench.method.steps import all_passes, check_pass, is_programmable, nameable, passes_of
+from oitbench.method.steps import (
+    all_passes,
+    check_pass,
+    is_counter,
+    is_programmable,
+    is_single,
+    nameable,
+    passes_of,
+)
 from oitbench.method.storage import Buffer, Items, Target
 
 Size = tuple[int, int]
@@ -55,7 +63,7 @@ class FramePlan:
     effects : Effect
         Running effects.
     mechanism : str or None
-        Way of programmable blending; None for a method that does not use it.
+        Way of programmable blending and of counting; None for a method that uses neither.
     targets : mapping of str to Target
         Targets that are allocated for the method; `color` is not one of them.
     color : Target
@@ -112,8 +120,8 @@ class FramePlan:
         particles, others : bool
             See `Request`.
         mechanism : str or callable
-            Way of programmable blending, or a function that returns it for a number of samples;
-            it is only asked if the method uses programmable blending.
+            Way of programmable blending and of counting, or a function that returns it for a number
+            of samples; it is only asked if the method uses one of them.
         counted : bool
             Whether buffer accesses are counted.
 
@@ -124,10 +132,12 @@ class FramePlan:
         """
         declared = plan_of(method, Request(effects, particles, others))
         targets = {name: item for name, item in declared.targets.items() if name != "color"}
-        blending = None
-        if any(is_programmable(item) for item in all_passes(declared.passes)):
-            blending = mechanism if isinstance(mechanism, str) else mechanism(method.sample_count)
-        if blending == SPIN_LOCK:
+        passes = tuple(all_passes(declared.passes))
+        programmable, blending = any(map(is_programmable, passes)), None
+        if programmable or any(map(is_counter, passes)):
+            samples = method.sample_count if programmable else 1
+            blending = mechanism if isinstance(mechanism, str) else mechanism(samples)
+        if programmable and blending == SPIN_LOCK:
             targets["lock"] = Target("r32ui")
         steps, frames = declared.passes, method.frame_count
         if frames > 1:
@@ -167,6 +177,14 @@ class FramePlan:
             for name in item.reads:
                 if name in self.targets and name not in written | swapped:
                     raise DeclarationError(f"{item.shader}: reads '{name}', but no pass writes it")
+
+        for loop in (step for step in self.steps if isinstance(step, Loop) and step.within):
+            written = {name for item in loop.passes for name in item.writes}
+            if self.samples > 1 or loop.within not in written:
+                raise DeclarationError(
+                    f"{loop.passes[0].shader}: the loop is within '{loop.within}', which one of its"
+                    " passes must write, with one sample per pixel"
+                )
 
     @cached_property
     def declared(self) -> Mapping[str, Target]:
@@ -240,8 +258,9 @@ class FramePlan:
 
     @property
     def needs_depth_at_centers(self) -> bool:
-        """Whether a multisampled frame has targets of one sample per pixel."""
-        return self.samples > 1 and any(target.single for target in self.targets.values())
+        """Whether a multisampled frame has passes that rasterize pixel centers."""
+        gathers = (item for item in self.passes if isinstance(item, Gather))
+        return self.samples > 1 and any(is_single(item, self.declared) for item in gathers)
 
     def samples_of(self, target: str) -> int:
         """Return the samples per pixel of a target."""

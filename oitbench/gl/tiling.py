@@ -78,6 +78,29 @@ def split(demand: Counts, limit: int) -> list[Region]:
     return cut(Region(0, 0, columns, rows))
 
 
+def rectangle(marked: npt.NDArray[np.bool_], side: int, scissor: Scissor) -> Scissor | None:
+    """Return the part of `scissor` around all marked blocks; None if nothing is marked.
+
+    Parameters
+    ----------
+    marked : array, shape (rows, columns), bool
+        Blocks of pixels, bottom row first.
+    side : int
+        Side of a block in pixels.
+    scissor : (int, int, int, int)
+    """
+    rows, columns = (np.flatnonzero(marked.any(axis=axis)) for axis in (1, 0))
+    if not len(rows):
+        return None
+    left, bottom, width, height = scissor
+    first = max(left, int(columns[0]) * side), max(bottom, int(rows[0]) * side)
+    last = (
+        min(left + width, (int(columns[-1]) + 1) * side),
+        min(bottom + height, (int(rows[-1]) + 1) * side),
+    )
+    return (*first, max(0, last[0] - first[0]), max(0, last[1] - first[1]))
+
+
 def sum_by_tile(counts: Counts, tiles: tuple[int, int]) -> Counts:
     """Return the sum of a per-pixel count over each tile, shape `tiles` = (rows, columns)."""
     rows, columns = tiles

@@ -44,6 +44,8 @@ class Blend:
         only one of its pass.
     programmable : bool
         The shader itself combines: see `PROGRAMMABLE`.
+    counts : bool
+        The shader counts in the target: see `COUNT`.
     """
 
     source: Factor
@@ -53,13 +55,13 @@ class Blend:
     target_alpha: Factor | None = None
     dual: bool = False
     programmable: bool = False
+    counts: bool = False
 
     @property
     def reads(self) -> bool:
         """Whether blending reads the target."""
-        return (
-            self.programmable or self.equation is not Equation.SUM or self.target is not Factor.ZERO
-        )
+        by_shader = self.programmable or self.counts
+        return by_shader or self.equation is not Equation.SUM or self.target is not Factor.ZERO
 
 
 REPLACE = Blend(Factor.ONE, Factor.ZERO)
@@ -86,4 +88,12 @@ PROGRAMMABLE = Blend(Factor.ONE, Factor.ZERO, programmable=True)
 The output's name holds the target's value when `gather` begins. The fragments of a pixel run one at
 a time, by framebuffer fetch, fragment-shader interlock or a spin lock, whichever the driver offers;
 `Frame.mechanism` names the one in use. All targets of such a pass must be programmable.
+"""
+COUNT = Blend(Factor.ONE, Factor.ZERO, counts=True)
+"""target ← target + 1 at each call of `count_NAME()`, which returns the value before.
+
+The fragments of a pixel get different numbers, in no particular order. The target is `r32ui` and
+the only one of its pass. It counts by framebuffer fetch if the driver offers that, and else, or if
+it is `single` in a multisampled frame, by atomics on an image. Such a `single` target counts the
+fragments of all samples, once each.
 """

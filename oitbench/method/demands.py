@@ -122,7 +122,9 @@ def demands_of(method: Method, plan: Plan) -> Demands:
         targets=max((len(item.writes) for item in passes), default=0),
         dual_source=required(DUAL_SOURCE) or any(blend.dual for blend in blends),
         programmable=required(INTERLOCK) or any(map(is_programmable, passes)),
-        atomics=required(ATOMICS) or any(item.buffers for item in passes),
+        atomics=required(ATOMICS)
+        or any(item.buffers for item in passes)
+        or any(blend.counts for blend in blends),
         unbounded=any(item.items is Items.FRAGMENTS for item in plan.buffers.values()),
         tile_bits=_tile_bits(plan, method.sample_count),
         fragment_bits=_fragment_bits(plan, method.sample_count),

@@ -146,23 +146,31 @@ class Loop:
     ----------
     passes : tuple of Gather or Resolve
     times : int, optional
-        Largest number of rounds. Default: as many as `until_empty` takes.
+        Largest number of rounds. Default: as many as `until_empty` or `within` takes.
     until_empty : str, optional
         Name of a pass: the loop ends after the first round in which no sample passes in it.
     swaps : tuple of (str, str)
         Pairs of targets of one format that trade places after each round, so that a pass can read
         the result of the previous round. They are back in place when the loop ends.
+    within : str, optional
+        Target that marks, by texels that are not zero, the parts of the frame in which the next
+        round has work. It is read back after each round. The passes of the next one draw only the
+        rectangle around all marks; their clears still clear the whole frame. The loop ends when
+        nothing is marked.
     """
 
     passes: tuple[Pass, ...]
     times: int | None = None
     until_empty: str | None = None
     swaps: tuple[tuple[str, str], ...] = ()
+    within: str | None = None
 
     def __post_init__(self) -> None:
-        if self.times is None and self.until_empty is None:
+        if self.times is None and self.until_empty is None and self.within is None:
             shaders = " and ".join(item.shader for item in self.passes)
-            raise DeclarationError(f"{shaders}: the loop has no end; give times or until_empty")
+            raise DeclarationError(
+                f"{shaders}: the loop has no end; give times, until_empty or within"
+            )
 
 
 Step = Gather | Resolve | Interleaved | Loop

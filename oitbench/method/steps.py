@@ -72,9 +72,18 @@ def is_programmable(item: Pass) -> bool:
     return any(blend.programmable for blend in item.writes.values())
 
 
+def is_counter(item: Pass) -> bool:
+    """Return whether the pass counts in its target."""
+    return any(blend.counts for blend in item.writes.values())
+
+
 def is_single(item: Pass, targets: Mapping[str, Target]) -> bool:
-    """Return whether the pass writes targets that keep one sample per pixel."""
-    return bool(item.writes) and all(targets[name].single for name in item.writes)
+    """Return whether the pass writes targets that keep one sample per pixel.
+
+    A pass that counts does not: it needs no framebuffer of one sample, and sees all fragments.
+    """
+    single = bool(item.writes) and all(targets[name].single for name in item.writes)
+    return single and not is_counter(item)
 
 
 def read_per_sample(passes: Iterable[Pass], targets: Mapping[str, Target]) -> frozenset[str]:
@@ -133,6 +142,7 @@ def check_pass(item: Pass, targets: Mapping[str, Target], buffers: Mapping[str, 
         if not targets[name].texel.depth:
             raise DeclarationError(f"{item.shader}: depth '{name}' is {targets[name].format}")
     _check_blending(item)
+    _check_counting(item, targets)
     _check_sizes(item, targets)
     if isinstance(item, Gather) and item.masked_by_alpha:
         first = next((targets[name] for name in item.writes), None)
@@ -152,6 +162,16 @@ def _check_blending(item: Pass) -> None:
             )
     if len({blend.programmable for blend in item.writes.values()}) > 1:
         raise DeclarationError(f"{item.shader}: all targets or none must blend programmably")
+
+
+def _check_counting(item: Pass, targets: Mapping[str, Target]) -> None:
+    for name, blend in item.writes.items():
+        if blend.counts and (targets[name].format != "r32ui" or len(item.writes) > 1):
+            raise DeclarationError(
+                f"{item.shader}: {name} counts, so it must be r32ui and the only target of its pass"
+            )
+        if blend.counts and isinstance(item, Resolve):
+            raise DeclarationError(f"{item.shader}: {name} counts fragments, not pixels")
 
 
 def _check_sizes(item: Pass, targets: Mapping[str, Target]) -> None:

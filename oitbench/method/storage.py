@@ -70,8 +70,8 @@ class Buffer:
     some) applies to a field and not to a record. The prelude defines `NAME_FIELD(i)` and
     `set_NAME_FIELD(i, v)`, and for uint fields also `exchange_`, `add_`, `min_` and
     `max_NAME_FIELD(i, v)`. A buffer of fragments also defines `allocate_NAME()`, which returns the
-    index of a fresh record, or NONE when memory has run out. The engine then repeats the frame with
-    enough memory.
+    index of a fresh record, or NONE when memory has run out, and `allocate_NAME(n)`, for the first
+    of n records that follow each other. The engine then repeats the frame with enough memory.
 
     Parameters
     ----------

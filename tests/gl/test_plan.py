@@ -8,7 +8,7 @@ from oitbench.effects import Effect
 from oitbench.errors import DeclarationError
 from oitbench.gl.capabilities import FETCH, INTERLOCK, SPIN_LOCK
 from oitbench.gl.plan import FramePlan
-from oitbench.method.blending import ADD, PROGRAMMABLE, REPLACE
+from oitbench.method.blending import ADD, COUNT, PROGRAMMABLE, REPLACE, Blend
 from oitbench.method.declaration import Method, Plan, Request
 from oitbench.method.passes import OPAQUE_DEPTH, Gather, Loop, Resolve, Step
 from oitbench.method.storage import Buffer, Items, Target
@@ -64,8 +64,17 @@ def test_samples_multiply_targets_that_are_not_single() -> None:
     targets = {"four": Target("r32f"), "one": Target("r32f", single=True)}
     plan = planned(targets=targets, samples=4)
     assert dict(plan.target_bytes()) == {"four": 33 * 17 * 16, "one": 33 * 17 * 4}
-    assert plan.needs_depth_at_centers
-    assert not planned(targets=targets).needs_depth_at_centers
+
+
+@pytest.mark.parametrize(
+    ("blend", "samples", "needed"), [(ADD, 4, True), (ADD, 1, False), (COUNT, 4, False)]
+)
+def test_fragments_at_pixel_centers_need_their_depth(
+    blend: Blend, samples: int, needed: bool
+) -> None:
+    step = Gather("draw.glsl", writes={"one": blend})
+    plan = planned(step, targets={"one": Target("r32ui", single=True)}, samples=samples)
+    assert plan.needs_depth_at_centers == needed
 
 
 @pytest.mark.parametrize(("mechanism", "locked"), [(FETCH, 0), (INTERLOCK, 0), (SPIN_LOCK, 1)])
@@ -74,6 +83,37 @@ def test_a_spin_lock_needs_a_word_per_pixel(mechanism: str, locked: int) -> None
     plan = planned(step, targets={"sum": Target("r32f")}, mechanism=mechanism)
     assert plan.mechanism == mechanism
     assert sum(size for name, size in plan.target_bytes() if name == "lock") == locked * 33 * 17 * 4
+
+
+@pytest.mark.parametrize("mechanism", [FETCH, INTERLOCK, SPIN_LOCK])
+def test_a_counter_needs_no_lock(mechanism: str) -> None:
+    step = Gather("draw.glsl", writes={"number": COUNT})
+    plan = planned(step, targets={"number": Target("r32ui")}, mechanism=mechanism)
+    assert plan.mechanism == mechanism
+    assert plan.target_bytes() == [("number", 33 * 17 * 4)]
+
+
+@pytest.mark.parametrize(
+    ("step", "message"),
+    [
+        (Gather("draw.glsl", writes={"sum": COUNT}), "sum counts, so it must be r32ui"),
+        (Gather("draw.glsl", writes={"number": COUNT, "sum": ADD}), "the only target"),
+        (Resolve("show.glsl", writes={"number": COUNT}), "counts fragments, not pixels"),
+    ],
+)
+def test_a_counter_is_one_word_and_alone(step: Step, message: str) -> None:
+    targets = {"number": Target("r32ui"), "sum": Target("r32f")}
+    with pytest.raises(DeclarationError, match=message):
+        planned(step, targets=targets)
+
+
+@pytest.mark.parametrize(("within", "samples"), [("other", 1), ("left", 4)])
+def test_a_loop_is_within_a_target_of_its_passes(within: str, samples: int) -> None:
+    targets = {"left": Target("r8", subsample=16), "other": Target("r8", subsample=16)}
+    mark = Resolve("mark.glsl", writes={"left": REPLACE})
+    planned(Loop((mark,), times=2, within="left"), targets=targets)
+    with pytest.raises(DeclarationError, match=f"mark.glsl: the loop is within '{within}'"):
+        planned(Loop((mark,), times=2, within=within), targets=targets, samples=samples)
 
 
 def test_fixed_blending_needs_no_mechanism() -> None:

@@ -6,8 +6,21 @@ from typing import Any
 
 import pytest
 
-from oitbench import ADD, COMPOSITE, OVER, Buffer, Effect, Gather, Items, Method, Parameter, Resolve
+from oitbench import (
+    ADD,
+    COMPOSITE,
+    COUNT,
+    OVER,
+    Buffer,
+    Effect,
+    Gather,
+    Items,
+    Method,
+    Parameter,
+    Resolve,
+)
 from oitbench.errors import DeclarationError
+from oitbench.gl.capabilities import ATOMICS, FETCH, INTERLOCK
 from oitbench.gl.program import accessors as buffers
 from oitbench.gl.program import prelude
 from oitbench.gl.program.bindings import Bindings
@@ -51,6 +64,24 @@ def test_written_targets_are_outputs_in_order() -> None:
         "layout(location = 1) out float reveal;",
         "layout(location = 2) out uint mask;",
     ]
+
+
+@pytest.mark.parametrize(
+    ("mechanism", "expected"),
+    [
+        (FETCH, "layout(location = 0) inout uint mask;"),
+        (INTERLOCK, "return imageAtomicAdd(mask_image, ivec2(gl_FragCoord.xy), 1u);"),
+        (ATOMICS, "layout(early_fragment_tests) in;"),
+    ],
+)
+def test_a_target_counts_by_framebuffer_fetch_or_atomics(mechanism: str, expected: str) -> None:
+    step = gather(writes={"mask": COUNT})
+    text = prelude.outputs(step, TARGETS, mechanism)
+    assert "uint count_mask()" in text
+    assert expected in text
+    assert ("image" in text) == (mechanism != FETCH)
+    fetches = "GL_EXT_shader_framebuffer_fetch" in prelude.extensions(step, mechanism, 1)
+    assert fetches == (mechanism == FETCH)
 
 
 def test_dual_source_blending_gives_two_outputs_at_one_location() -> None:
@@ -112,6 +143,7 @@ def test_only_unsigned_fields_have_atomics() -> None:
 def test_only_buffers_of_fragments_have_an_allocator() -> None:
     text = accessors(gather(buffers=("heads", "nodes")))
     assert "uint allocate_nodes()" in text
+    assert "uint allocate_nodes(uint n)" in text
     assert "binding = 3) buffer nodes_allocator_block" in text
     assert "allocate_heads" not in text
 

@@ -61,15 +61,25 @@ def total(terms: list[TrafficTerm], pass_: str, *kinds: str) -> int:
     return sum(t.bytes for t in terms if t.pass_ == pass_ and (not kinds or t.kind in kinds))
 
 
-@pytest.mark.parametrize(("node", "record"), [("compact", 12), ("precise", 32)])
-def test_an_a_buffer_has_one_head_per_pixel_and_one_record_per_fragment(
-    device: Device, planes: Scene, node: str, record: int
+@pytest.mark.parametrize(("node", "payload"), [("compact", 8), ("precise", 28)])
+@pytest.mark.parametrize(
+    ("storage", "link", "heads"),
+    [("linked", 4, {"heads": 4}), ("counted", 0, {"heads": 8, "stored": 4})],
+)
+def test_an_a_buffer_has_heads_at_pixels_and_one_record_per_fragment(
+    device: Device,
+    planes: Scene,
+    node: str,
+    payload: int,
+    storage: str,
+    link: int,
+    heads: dict[str, int],
 ) -> None:
-    with opened(device, planes, f"a_buffer[node={node}]", SIZE) as frame:
+    with opened(device, planes, f"a_buffer[node={node},storage={storage}]", SIZE) as frame:
         facts = accounting.memory(frame)
         assert facts.terms == [
-            MemoryTerm("heads", 4 * PIXELS),
-            MemoryTerm("nodes", record * 4 * PIXELS),
+            *(MemoryTerm(name, size * PIXELS) for name, size in heads.items()),
+            MemoryTerm("nodes", (link + payload) * 4 * PIXELS),
             MemoryTerm("nodes allocator", 8 * TILES),
         ]
         assert facts.bytes == sum(term.bytes for term in facts.terms)
@@ -119,10 +129,37 @@ def test_weighted_blending_reads_its_targets_once(device: Device, planes: Scene)
 
 
 @pytest.mark.parametrize(("node", "payload"), [("compact", 8), ("precise", 28)])
-def test_an_a_buffer_writes_and_reads_each_record_once(
+def test_counted_lists_write_and_read_each_record_once(
     device: Device, planes: Scene, node: str, payload: int
 ) -> None:
     with opened(device, planes, f"a_buffer[node={node}]", SIZE, counted=True) as frame:
+        terms, _ = measured(frame)
+        fragments = 4 * PIXELS
+        assert total(terms, "count") == 8 * fragments
+        assert {(t.resource, t.kind): t.bytes for t in terms if t.pass_ == "allocate"} == {
+            ("stored", "read"): 4 * PIXELS,
+            ("heads", "write"): 8 * PIXELS,
+            ("nodes.allocator", "atomic"): 8 * PIXELS,
+        }
+        assert total(terms, "capture", "write") == (4 + payload) * fragments
+        assert total(terms, "capture", "blend", "read") == (4 + 8) * fragments
+        assert total(terms, "resolve_sorted", "read") == 12 * PIXELS + payload * fragments
+        assert {t.kind for t in terms if t.pass_ == "capture"} == {
+            "clear",
+            "write",
+            "blend",
+            "read",
+        }
+        # All targets at the start of the frame, and the number of stored fragments once more.
+        assert total(terms, "clear") + total(terms, "capture", "clear") == 16 * PIXELS
+
+
+@pytest.mark.parametrize(("node", "payload"), [("compact", 8), ("precise", 28)])
+def test_linked_lists_write_and_read_each_record_once(
+    device: Device, planes: Scene, node: str, payload: int
+) -> None:
+    name = f"a_buffer[node={node},storage=linked]"
+    with opened(device, planes, name, SIZE, counted=True) as frame:
         terms, _ = measured(frame)
         fragments = 4 * PIXELS
         # The link and the payload of each record.
@@ -136,7 +173,7 @@ def test_an_a_buffer_writes_and_reads_each_record_once(
 
 def test_the_iterative_resolve_reads_a_quadratic_number_of_records(device: Device) -> None:
     scene = scene_of(random_lists(5))
-    name = "a_buffer[node=compact,resolve=iterative]"
+    name = "a_buffer[node=compact,resolve=iterative,storage=linked]"
     with opened(device, scene, name, counted=True) as frame:
         terms, _ = measured(frame)
         heads, once, square = 4 * 256, 12 * 5 * 256, 12 * 5 * 5 * 256
@@ -178,7 +215,7 @@ def test_hidden_fragments_are_not_counted(device: Device, half_hidden: Scene, na
         assert seen == counts[1] + counts[2]
         if name == "a_buffer":
             assert sum(
-                t.items for t in terms if t.resource == "nodes.next" and t.kind == "write"
+                t.items for t in terms if t.resource == "nodes.depth" and t.kind == "write"
             ) == (visible)
 
 

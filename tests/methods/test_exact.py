@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from pathlib import Path
+
 import numpy as np
 import pytest
 
+from oitbench import COUNT, Gather, Plan, Request
 from oitbench.errors import CapabilityError
+from oitbench.gl.capabilities import ATOMICS, FETCH
 from oitbench.gl.device import Device
 from oitbench.gl.frame import Frame
 from oitbench.measure.oracle import composite
@@ -17,6 +22,7 @@ from tests.helpers import (
     assert_order_independent,
     assert_same,
     collection,
+    method,
     opened,
     random_lists,
     render,
@@ -25,6 +31,7 @@ from tests.helpers import (
 )
 
 RESOLVES = ("sorted", "iterative")
+STORAGES = ("counted", "linked")
 
 
 def lists_scene(body: str) -> tuple[Scene, FragmentLists]:
@@ -73,17 +80,57 @@ def test_tints_high_dynamic_range_and_ties_are_exact(
     assert error(device, scene, lists, f"a_buffer[resolve={resolve}]") <= 2e-6 * max(1, brightest)
 
 
+@pytest.mark.parametrize("storage", STORAGES)
 @pytest.mark.parametrize("resolve", RESOLVES)
-def test_700_layers_per_pixel_are_exact(device: Device, resolve: str) -> None:
+def test_700_layers_per_pixel_are_exact(device: Device, resolve: str, storage: str) -> None:
     side = "width=16,height=16" if resolve == "sorted" else "width=8,height=8"
     scene, lists = lists_scene(f"{side},layers=700,alpha_low=0.001,alpha_high=0.02,tinted=true")
-    assert error(device, scene, lists, f"a_buffer[resolve={resolve}]") <= 2e-5
+    name = f"a_buffer[resolve={resolve},storage={storage}]"
+    assert error(device, scene, lists, name) <= 2e-5
 
 
-@pytest.mark.parametrize("layers", [1, 31, 32, 33, 64, 65])
+@pytest.mark.parametrize("layers", [1, 2, 31, 32, 33, 64, 65])
 def test_lists_around_the_size_of_a_batch_are_exact(device: Device, layers: int) -> None:
     lists = random_lists(layers, tinted=True)
-    assert error(device, scene_of(lists), lists, "a_buffer") <= 2e-6
+    for storage in STORAGES:
+        assert error(device, scene_of(lists), lists, f"a_buffer[storage={storage}]") <= 2e-6
+
+
+@pytest.mark.parametrize("ties", ["true", "false"])
+@pytest.mark.parametrize("layers", [24, 40])
+@pytest.mark.parametrize("node", ["precise", "compact"])
+def test_both_kinds_of_lists_and_counters_give_one_picture(
+    device: Device, node: str, layers: int, ties: str
+) -> None:
+    scene, _ = lists_scene(f"width=16,height=16,tinted=true,layers={layers},ties={ties}")
+    expected = render(device, scene, f"a_buffer[node={node},storage=linked]")
+    for mechanism in (FETCH, ATOMICS):
+        found = render(device, scene, f"a_buffer[node={node}]", mechanism=mechanism)
+        np.testing.assert_array_equal(found, expected)
+
+
+def test_fragments_beyond_the_counted_ones_do_not_reach_the_next_list(
+    device: Device, tmp_path: Path
+) -> None:
+    (tmp_path / "few.glsl").write_text(
+        "void gather(Fragment fragment) { if (fragment.z < 2.5) { count_stored(); } }"
+    )
+    base = type(method("a_buffer"))
+
+    class Few(base):  # type: ignore[misc, valid-type]
+        folders = (tmp_path, *base.folders)
+
+        def plan(self, request: Request) -> Plan:
+            plan = super().plan(request)
+            few = Gather("few.glsl", writes={"stored": COUNT})
+            return Plan(plan.targets, (few, *plan.passes[1:]), plan.buffers)
+
+    # Each pixel has a color of its own, in both layers.
+    colors = np.random.default_rng(1).random((4, 4, 3), dtype=np.float32)
+    lists = stack([Layer(2.0, 0.5, RED), Layer(3.0, 0.5, RED)], side=4)
+    lists = replace(lists, radiance=np.stack([colors, colors]))
+    found = render(device, scene_of(lists, BLUE), Few())
+    np.testing.assert_allclose(found, 0.5 * colors + 0.5 * np.array(BLUE), atol=1e-6)
 
 
 @pytest.mark.parametrize("copies", [2, 33, 70])

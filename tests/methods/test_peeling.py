@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -12,7 +14,7 @@ from oitbench.gl.frame import Frame
 from oitbench.measure.oracle import composite
 from oitbench.modeling.mesh import box
 from oitbench.modeling.placement import rotation, transform
-from oitbench.scene import Camera, Material, Object, Scene
+from oitbench.scene import Camera, FragmentLists, Material, Object, Scene
 from tests.helpers import (
     BACKGROUND,
     BLUE,
@@ -84,10 +86,43 @@ def test_peeling_ends_when_no_layer_is_left(device: Device, count: int) -> None:
     with opened(device, scene, "depth_peeling") as frame:
         assert runs(frame)["peel"] == count + 1
     with opened(device, scene, "dual_depth_peeling") as frame:
-        assert runs(frame) == {"find": 1, "peel": (count + 1) // 2 + 1, "combine": 1}
+        times = (count + 1) // 2
+        assert runs(frame) == {
+            "find": 1,
+            "peel": times,
+            "mark block=16": times,
+            "combine": 1,
+        }
 
 
-@pytest.mark.parametrize(("layers", "times"), [(1, 1), (2, 1), (3, 2), (100, 4)])
+def deep_in(lists: FragmentLists, rows: slice, columns: slice) -> Scene:
+    """Return lists of which only the first layer is seen outside of some pixels."""
+    inside = np.zeros(lists.coverage.shape[1:], bool)
+    inside[rows, columns] = True
+    coverage = lists.coverage * (inside | (np.arange(len(lists.coverage)) == 0)[:, None, None])
+    return scene_of(replace(lists, coverage=coverage.astype(np.float32)), WHITE)
+
+
+def test_passes_draw_only_the_rectangle_around_blocks_with_layers(device: Device) -> None:
+    lists = random_lists(3, side=48)
+    scene = deep_in(lists, slice(0, 17), slice(33, 34))
+    with opened(device, scene, "depth_peeling") as frame:
+        frame.render()
+        counts = {record.name: record.fragments for record in frame.measure().passes}
+    # All 9 blocks of 16 x 16 pixels have one layer, and 2 of them have more.
+    assert counts["add"] == (9 + 9 + 2 + 2) * 16 * 16
+
+
+@pytest.mark.parametrize("name", ["depth_peeling[precision=float]", "dual_depth_peeling"])
+def test_finished_pixels_keep_their_layers(device: Device, name: str) -> None:
+    """Targets that trade places hold old depths outside of the rectangle."""
+    scene = deep_in(random_lists(9, side=48), slice(20, 21), slice(20, 21))
+    found, exact = (render(device, scene, item) for item in (name, "a_buffer"))
+    # `color` has half floats with dual peeling.
+    np.testing.assert_allclose(found, exact, rtol=0, atol=3 * 2.0**-11 if "dual" in name else 1e-5)
+
+
+@pytest.mark.parametrize(("layers", "times"), [(1, 1), (2, 1), (3, 2), (100, 3)])
 def test_peeling_ends_after_the_given_number_of_layers(
     device: Device, layers: int, times: int
 ) -> None:
@@ -154,4 +189,5 @@ def test_memory_depends_on_the_formats(device: Device) -> None:
             ("depth_peeling[precision=float]", 72),
             ("dual_depth_peeling", dual),
         ):
-            assert bits_per_pixel(device, scene, name) == 8 * size
+            # And one mark of 8 bits for a block.
+            assert bits_per_pixel(device, scene, name) == 8 * size + 8 / 16**2

@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Callable, Hashable, Mapping, Sequence
 from contextlib import nullcontext
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import moderngl
 import numpy as np
@@ -15,8 +15,9 @@ from oitbench.gl.device import Device
 from oitbench.gl.draws.records import PassRecord, no_lap
 from oitbench.gl.program.bindings import Access
 from oitbench.gl.program.passes import CompiledPass
-from oitbench.gl.tiling import Scissor
+from oitbench.gl.tiling import Scissor, rectangle
 from oitbench.gl.view import FRAME_OFFSET, ITERATION_OFFSET
+from oitbench.image.values import Values
 from oitbench.method.passes import Gather, Interleaved, Loop, Step
 
 
@@ -56,6 +57,8 @@ class Executor:
         Copies the first of two named targets to the second; for loops that swap targets.
     take_counts : callable, optional
         Returns the accesses to buffers since its last call.
+    texels : callable, optional
+        Returns the texels of a named target, top row first; for loops `within` one.
     """
 
     def __init__(
@@ -64,8 +67,9 @@ class Executor:
         views: Mapping[int, moderngl.Buffer],
         copy: Callable[[str, str], None] | None = None,
         take_counts: Callable[[], dict[Access, int]] = _no_counts,
+        texels: Callable[[str], Values] | None = None,
     ) -> None:
-        self._device, self._views = device, views
+        self._device, self._views, self._texels = device, views, texels
         self._copy, self._take_counts = copy, take_counts
 
     def issue(
@@ -125,6 +129,11 @@ class Executor:
                 lap(first + index)
                 empty = empty or (queried and passed == 0)
             done = number + 1
+            if loop.within and self._texels and draws.scissor:
+                side = next(p.subsample for p in compiled.passes if loop.within in p.step.writes)
+                marked = self._texels(loop.within)[::-1, :, 0] != 0
+                part = rectangle(marked, side, draws.scissor)
+                draws, empty = replace(draws, part=part), empty or part is None
             if empty:
                 break
         if done % 2 and self._copy is not None and loop.swaps:
@@ -152,6 +161,8 @@ class _Draws:
     scissor: Scissor | None
     records: Sequence[PassRecord] | None
     take_counts: Callable[[], dict[Access, int]]
+    part: Scissor | None = None
+    """Part of `scissor` in which passes draw; clears fill all of it."""
 
     def interleave(self, compiled: CompiledStep) -> None:
         """Draw all passes for one unit before the next unit."""
@@ -176,7 +187,8 @@ class _Draws:
             framebuffer.use()
             framebuffer.scissor = self._within(framebuffer, item)
             self.device.clear(0, entry, value)
-        item.begin(self.views[item.subsample], self._within(item.framebuffer, item))
+        part = self.part if item.subsample == 1 else None
+        item.begin(self.views[item.subsample], part or self._within(item.framebuffer, item))
         with query or nullcontext():
             self._submit(item, unit)
         passed = int(query.samples) if query is not None else 0

@@ -88,7 +88,8 @@ def _allocator(name: str, bindings: Bindings) -> list[str]:
     return [
         f"layout(std430, binding = {bindings.allocators[name]})"
         f" buffer {name}_allocator_block {{ uint {name}_allocator[]; }};",
-        f"uint allocate_{name}() {{ {count}uint tile = tile_index() * {ALLOCATOR_STRIDE}u;"
-        f" uint i = atomicAdd({name}_allocator[tile], 1u);"
-        f" return i < {name}_allocator[tile + 1u] ? i : NONE; }}",
+        f"uint allocate_{name}(uint n) {{ {count}uint tile = tile_index() * {ALLOCATOR_STRIDE}u;"
+        f" uint i = atomicAdd({name}_allocator[tile], n);"
+        f" return i + n <= {name}_allocator[tile + 1u] ? i : NONE; }}",
+        f"uint allocate_{name}() {{ return allocate_{name}(1u); }}",
     ]

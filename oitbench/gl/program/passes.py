@@ -11,7 +11,7 @@ import moderngl
 
 from oitbench.effects import Effect
 from oitbench.errors import CapabilityError, DeclarationError
-from oitbench.gl.capabilities import FETCH, SPIN_LOCK
+from oitbench.gl.capabilities import FETCH
 from oitbench.gl.device import Device
 from oitbench.gl.geometry import FACTORS, FACTORS_FORMAT, VERTEX, VERTEX_FORMAT, Geometry
 from oitbench.gl.ownership import Owner
@@ -25,7 +25,6 @@ from oitbench.method.formats import Format
 from oitbench.method.passes import OPAQUE_DEPTH, Gather, Pass, Resolve
 from oitbench.method.steps import (
     indexed_families,
-    is_programmable,
     is_single,
     shades_samples,
     subsample_of,
@@ -62,7 +61,7 @@ class Blueprint:
     samples : int
         Samples per pixel.
     mechanism : str
-        Way of programmable blending.
+        Way of programmable blending, and of counting.
     per_sample : frozenset of str
         Targets that gather passes read sample by sample.
     """
@@ -302,15 +301,14 @@ def _images(
     blueprint: Blueprint, step: Pass, textures: Mapping[str, moderngl.Texture]
 ) -> list[moderngl.Texture]:
     """Return the images that replace targets where shaders blend without framebuffer fetch."""
-    if not is_programmable(step) or blueprint.mechanism == FETCH:
-        return []
-    locks = ["lock"] if blueprint.mechanism == SPIN_LOCK else []
-    return [textures[name] for name in (*step.writes, *locks)]
+    mechanism = prelude.mechanism_of(step, blueprint.mechanism, blueprint.samples)
+    return [textures[name] for name in prelude.images(step, mechanism)]
 
 
 def _sources(blueprint: Blueprint, geometry: Geometry, step: Pass) -> tuple[Source, Source]:
     """Return the vertex and the fragment shader of `step`."""
-    mechanism, targets, shading = blueprint.mechanism, blueprint.targets, blueprint.shading
+    mechanism = prelude.mechanism_of(step, blueprint.mechanism, blueprint.samples)
+    targets, shading = blueprint.targets, blueprint.shading
     samples = 1 if is_single(step, targets) else blueprint.samples
     fragment = Source(blueprint.folders, prelude.extensions(step, mechanism, samples))
     fragment.add_text("prelude (macros)", prelude.effect_macros(blueprint.effects))

@@ -9,11 +9,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from oitbench.effects import Effect, names
-from oitbench.gl.capabilities import FETCH, INTERLOCK, SPIN_LOCK
+from oitbench.gl.capabilities import ATOMICS, FETCH, INTERLOCK, SPIN_LOCK
 from oitbench.method.blending import Blend
 from oitbench.method.declaration import Method
 from oitbench.method.passes import BLUE_NOISE, OPAQUE_DEPTH, Gather, Pass
-from oitbench.method.steps import indexed_families, is_programmable, is_single
+from oitbench.method.steps import indexed_families, is_counter, is_programmable, is_single
 from oitbench.method.storage import Target
 
 
@@ -69,10 +69,12 @@ def outputs(item: Pass, targets: Mapping[str, Target], mechanism: str = FETCH) -
     item : Gather or Resolve
     targets : mapping of str to Target
     mechanism : str
-        Way of programmable blending, for passes that need it.
+        Way of programmable blending or of counting, for passes that need it.
     """
     if is_programmable(item):
         return _programmable(item, targets, mechanism)
+    if is_counter(item):
+        return _counter(next(iter(item.writes)), mechanism)
     lines = []
     for slot, (name, blend) in enumerate(item.writes.items()):
         lines += _output(slot, name, targets[name].texel.glsl, blend)
@@ -129,6 +131,34 @@ def reads(item: Pass, targets: Mapping[str, Target], samples: int = 1) -> str:
             f"{entry.glsl} read_{name}() {{ return read_{name}(ivec2(gl_FragCoord.xy)); }}",
         ]
     return "\n".join(lines)
+
+
+def mechanism_of(item: Pass, mechanism: str, samples: int) -> str:
+    """Return the way in which the shader of a pass blends, or counts, if it does."""
+    return ATOMICS if is_counter(item) and samples > 1 else mechanism
+
+
+def images(item: Pass, mechanism: str) -> tuple[str, ...]:
+    """Return the targets that shaders access as images: where they blend or count without fetch."""
+    if mechanism == FETCH or not (is_programmable(item) or is_counter(item)):
+        return ()
+    locked = mechanism == SPIN_LOCK and is_programmable(item)
+    return (*item.writes, "lock") if locked else tuple(item.writes)
+
+
+def _counter(name: str, mechanism: str) -> str:
+    if mechanism == FETCH:
+        return (
+            f"layout(location = 0) inout uint {name};\nuint count_{name}() {{ return {name}++; }}"
+        )
+    return "\n".join(
+        (
+            "layout(early_fragment_tests) in;",
+            f"layout(r32ui, binding = 0) coherent uniform uimage2D {name}_image;",
+            f"uint count_{name}() {{"
+            f" return imageAtomicAdd({name}_image, ivec2(gl_FragCoord.xy), 1u); }}",
+        )
+    )
 
 
 def _programmable(item: Pass, targets: Mapping[str, Target], mechanism: str) -> str:
@@ -189,6 +219,8 @@ def deliver(item: Gather, mechanism: str) -> str:
 def extensions(item: Pass, mechanism: str, samples: int) -> tuple[str, ...]:
     """Return the GLSL extensions that the pass needs."""
     found: list[str] = []
+    if is_counter(item) and mechanism == FETCH:
+        found.append("GL_EXT_shader_framebuffer_fetch")
     if is_programmable(item):
         found += {
             FETCH: ["GL_EXT_shader_framebuffer_fetch"],

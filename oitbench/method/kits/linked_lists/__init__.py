@@ -10,10 +10,12 @@ Sources: Yang et al. 2010, "Real-Time Concurrent Linked List Construction on the
 
 from __future__ import annotations
 
-from oitbench.method.passes import Gather, Resolve
-from oitbench.method.storage import Buffer, Items
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
-_LINK = {"next": "uint", "depth": "float"}
+from oitbench.method.passes import Gather, Resolve, Step
+from oitbench.method.storage import Buffer, Items, Target
+
 RECORD_STEPS = {"precise": 0.0, "compact": 1 / 255}
 """`Method.record_step` by kind of record."""
 LISTS = ("heads", "nodes")
@@ -22,6 +24,35 @@ CAPTURE = Gather("linked_lists/capture.glsl", buffers=LISTS)
 """Puts every fragment at the head of its pixel's list, so the last one submitted comes first."""
 REVERSE = Resolve("linked_lists/reverse.glsl", buffers=LISTS)
 """Reverses every list, so the first fragment submitted comes first."""
+
+
+@dataclass(frozen=True)
+class Lists:
+    """All fragments of each pixel: the buffers and targets that hold them, and how they are filled.
+
+    Parameters
+    ----------
+    buffers : mapping of str to Buffer
+    fill : tuple of Step
+    targets : mapping of str to Target
+        Targets that passes over the lists read.
+    """
+
+    buffers: Mapping[str, Buffer]
+    fill: tuple[Step, ...]
+    targets: Mapping[str, Target] = field(default_factory=dict)
+
+
+def linked(node: str) -> Lists:
+    """Return linked lists in the order of submission, the last fragment first."""
+    return Lists(linked_lists(node), (CAPTURE,))
+
+
+def record_fields(node: str, tinted: bool = False) -> dict[str, str]:
+    """Return the fields of a record less its link, as `linked_lists` describes them."""
+    if node == "precise":
+        return {"depth": "float", "front": "vec4", "back": "vec2"}
+    return {"depth": "float", "color": "uint", **({"factor": "uint"} if tinted else {})}
 
 
 def linked_lists(node: str, tinted: bool = False) -> dict[str, Buffer]:
@@ -35,10 +66,7 @@ def linked_lists(node: str, tinted: bool = False) -> dict[str, Buffer]:
     tinted : bool
         Whether a compact record also holds τ in RGBA8; it then has 16 bytes.
     """
-    if node == "precise":
-        fields = {**_LINK, "front": "vec4", "back": "vec2"}
-    else:
-        fields = {**_LINK, "color": "uint", **({"factor": "uint"} if tinted else {})}
+    fields = {"next": "uint", **record_fields(node, tinted)}
     return {
         "heads": Buffer({"first": "uint"}, Items.PIXELS, clear=0xFFFFFFFF),
         "nodes": Buffer(fields, Items.FRAGMENTS),

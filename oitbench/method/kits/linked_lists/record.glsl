@@ -9,14 +9,21 @@ struct Layer {
     vec2 back;     // tau.gb
 };
 
-Layer load_layer(uint node) {
-    return Layer(nodes_depth(node), nodes_front(node), nodes_back(node));
+// The record whose depth is known.
+Layer load_layer(uint node, float stored) {
+    return Layer(stored, nodes_front(node), nodes_back(node));
 }
 
 void store_layer(uint node, float stored, vec3 color, vec3 factor, float net_opacity) {
     set_nodes_depth(node, stored);
     set_nodes_front(node, vec4(color, factor.r));
     set_nodes_back(node, factor.gb);
+}
+
+void move_layer(uint node, Layer layer) {
+    set_nodes_depth(node, layer.stored);
+    set_nodes_front(node, layer.front);
+    set_nodes_back(node, layer.back);
 }
 
 vec3 layer_color(Layer layer) { return layer.front.rgb; }
@@ -38,11 +45,12 @@ struct Layer {
 #endif
 };
 
-Layer load_layer(uint node) {
+// The record whose depth is known.
+Layer load_layer(uint node, float stored) {
 #if TINTED
-    return Layer(nodes_depth(node), nodes_color(node), nodes_factor(node));
+    return Layer(stored, nodes_color(node), nodes_factor(node));
 #else
-    return Layer(nodes_depth(node), nodes_color(node));
+    return Layer(stored, nodes_color(node));
 #endif
 }
 
@@ -51,6 +59,14 @@ void store_layer(uint node, float stored, vec3 color, vec3 factor, float net_opa
     set_nodes_color(node, packUnorm4x8(vec4(color, net_opacity)));
 #if TINTED
     set_nodes_factor(node, packUnorm4x8(vec4(factor, 0.0)));
+#endif
+}
+
+void move_layer(uint node, Layer layer) {
+    set_nodes_depth(node, layer.stored);
+    set_nodes_color(node, layer.color);
+#if TINTED
+    set_nodes_factor(node, layer.factor);
 #endif
 }
 
@@ -65,6 +81,8 @@ vec3 layer_factor(Layer layer) {
 }
 
 #endif
+
+Layer load_layer(uint node) { return load_layer(node, nodes_depth(node)); }
 
 #if MSAA > 1
 

@@ -1,0 +1,4 @@
+// Counts the fragments of a pixel.
+void gather(Fragment fragment) {
+    count_stored();
+}
