@@ -7,9 +7,9 @@ depth are ordered by their content, never by arrival, so the image is the same f
 the draws: bit for bit with `sorted`, to float rounding with `iterative`.
 
 `counted` lists take two passes over the geometry: the first counts the fragments of each pixel, so
-that the second stores them in records that follow each other. That is the default, since it needs
-fewer bytes and atomics a fragment, and less time where a pass over the geometry is cheap. `linked`
-lists take one pass. `python -m tests.benchmarks.exact` compares both.
+that the second stores them in records that follow each other. That is the default, since a stored
+fragment takes fewer bytes, and less time where a pass over the geometry is cheap. `linked` lists
+take one pass and move less. `python -m tests.benchmarks.exact` compares both.
 
 `precise` records take 28 bytes: depth, and alpha L and tau as three floats each. `compact` records
 take 8 bytes: depth, and alpha L with net opacity in RGBA8 (AT section 4.2).

@@ -17,8 +17,8 @@ Each pass takes two layers, so an odd number of `layers` is rounded up, and the 
 unseen lie in the middle of the stack. Fragments with zero coverage are not layers.
 
 Memory 48 B/pixel; 112 where transmission is colored, and a byte for each block. A software renderer
-takes most time to blend 40 bytes (104) for each fragment in each pass. Rejecting peeled fragments
-by a depth test, half floats, and separate passes for depths and colors do not save time there.
+takes most time to blend 40 bytes (104) for each fragment in each pass. A depth test that rejects
+peeled fragments, half floats, or separate passes for depths and colors save no time there.
 
 Source: Bavoil & Myers 2008, "Order Independent Transparency with Dual Depth Peeling", NVIDIA. There
 all targets blend by maximum, so two textures carry the front from pass to pass, and the far layer
@@ -40,9 +40,6 @@ class DualDepthPeeling(oit.Method):
     quick = False
     expresses = oit.Effect.COVERAGE | oit.Effect.COLORED_TRANSMISSION
     layers = oit.Parameter(0, low=0, help="largest number of layers to peel, 0 for all")
-    no_msaa = (
-        "each pass would shade every sample; a_buffer[msaa=4] shows the same picture in one pass"
-    )
 
     @property
     def promises(self) -> frozenset[str]:

@@ -6,7 +6,7 @@ the plan say everything.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Set
 
 from msgspec import Struct
 
@@ -172,21 +172,28 @@ def _together(step: Step) -> Iterator[tuple[Pass, ...]]:
 
 def _fragment_bits(plan: Plan, samples: int) -> int:
     totals = dict.fromkeys(_KINDS, 0)
+    filled: set[str] = set()
     for step in plan.passes:
         for item in passes_of(step):
             for kind in totals:
                 if isinstance(item, Resolve) or _draws(item, kind):
-                    totals[kind] += _rounds(step) * _moved_bits(plan, item, samples)
+                    totals[kind] += _rounds(step) * _moved_bits(plan, item, filled, samples)
+            if isinstance(item, Gather):
+                filled |= set(item.buffers)
     return max(totals.values())
 
 
-def _moved_bits(plan: Plan, item: Pass, samples: int) -> int:
-    """Return the bits that a pass moves for one fragment; a pass over pixels only reads lists."""
+def _moved_bits(plan: Plan, item: Pass, filled: Set[str], samples: int) -> int:
+    """Return the bits that a pass moves for one fragment.
+
+    A pass over pixels only reads lists, and only those that an earlier pass has filled.
+    """
     bits = 0
     if isinstance(item, Gather):
         bits += sum(_bits(plan, name, samples) for name, _ in accesses_of(item))
-    for buffer in (plan.buffers[name] for name in item.buffers):
-        if buffer.items is Items.FRAGMENTS:
+    for name in item.buffers:
+        buffer = plan.buffers[name]
+        if buffer.items is Items.FRAGMENTS and (isinstance(item, Gather) or name in filled):
             bits += 8 * buffer.record_bytes
         elif isinstance(item, Gather):
             bits += 2 * 8 * buffer.record_bytes
