@@ -11,7 +11,7 @@ from oitbench.measure import accounting
 from oitbench.method.passes import Gather
 from oitbench.method.storage import Target
 from oitbench.modeling.mesh import quad
-from oitbench.scene import Camera, Material, Object, Scene
+from oitbench.scene import Camera, Material, Mesh, Object, Scene
 from tests.helpers import (
     BACKGROUND,
     GREEN,
@@ -59,6 +59,22 @@ def test_promises(device: Device) -> None:
 def test_the_order_of_the_draws_does_not_count(device: Device) -> None:
     with opened(device, scene_of(random_lists(9)), NAME) as frame:
         assert_order_independent(frame, 3)
+
+
+def test_colors_do_not_depend_on_samples_that_others_have_taken(device: Device) -> None:
+    # Slanted triangles that cross, whose colors vary over the surface.
+    random = np.random.default_rng(5)
+    objects = []
+    for number in range(8):
+        corners = random.uniform(-0.6, 0.6, (3, 3)) - [0, 0, 2]
+        mesh = Mesh(
+            corners, np.array([[0, 1, 2]]), radiance=np.float32(random.uniform(0, 1, (3, 3)))
+        )
+        material = Material(coverage=0.6, emission=WHITE)
+        objects.append(Object(f"triangle {number}", mesh, material))
+    scene = Scene("crossing", Camera((0, 0, 0), (0, 0, -1)), tuple(objects))
+    with opened(device, scene, NAME, (32, 32)) as frame:
+        assert_order_independent(frame, 6)
 
 
 def test_layers_of_equal_opacity_transmit_as_much_as_one(device: Device) -> None:

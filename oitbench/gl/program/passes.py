@@ -335,7 +335,8 @@ def _sources(blueprint: Blueprint, geometry: Geometry, step: Pass) -> tuple[Sour
         fragment.add_text("main", "void main() { if (!gl_HelperInvocation) { resolve(); } }")
         vertex.add_engine_file("screen.vert.glsl")
         return vertex, fragment
-    places = prelude.interpolation(samples, shades_samples(step, blueprint.per_sample))
+    per_sample = shades_samples(step, blueprint.per_sample)
+    places = prelude.interpolation(samples, per_sample, step.depth is not None)
     for source in (vertex, fragment):
         source.add_text("prelude (samples)", places)
         source.add_text("prelude (scene)", geometry.macros)

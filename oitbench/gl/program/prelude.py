@@ -46,13 +46,24 @@ def pass_macros(item: Pass) -> str:
     return "\n".join(lines)
 
 
-def interpolation(samples: int, per_sample: bool) -> str:
+def interpolation(samples: int, per_sample: bool, own_depth: bool) -> str:
     """Return where values between vertices are taken: `PLACED` for places, `INSIDE` for others.
 
     With several samples a pixel's center may lie outside of the triangle, where colors and normals
-    that are extended over it have no meaning.
+    that are extended over it have no meaning. But a pass with a depth buffer of its own takes all
+    values there: drivers may put a centroid among the samples that pass the depth test, as llvmpipe
+    does, so that colors would depend on the order of the draws.
+
+    Parameters
+    ----------
+    samples : int
+        Of a pixel.
+    per_sample : bool
+        Whether each sample is shaded by itself.
+    own_depth : bool
+        Whether the pass tests against a depth target of the method.
     """
-    if samples == 1:
+    if samples == 1 or (own_depth and not per_sample):
         return "#define PLACED\n#define INSIDE"
     if per_sample:
         return (
