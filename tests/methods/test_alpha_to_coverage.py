@@ -67,9 +67,8 @@ def test_colors_do_not_depend_on_samples_that_others_have_taken(device: Device) 
     objects = []
     for number in range(8):
         corners = random.uniform(-0.6, 0.6, (3, 3)) - [0, 0, 2]
-        mesh = Mesh(
-            corners, np.array([[0, 1, 2]]), radiance=np.float32(random.uniform(0, 1, (3, 3)))
-        )
+        colors = random.uniform(0, 1, (3, 3)).astype(np.float32)
+        mesh = Mesh(corners, np.array([[0, 1, 2]]), radiance=colors)
         material = Material(coverage=0.6, emission=WHITE)
         objects.append(Object(f"triangle {number}", mesh, material))
     scene = Scene("crossing", Camera((0, 0, 0), (0, 0, -1)), tuple(objects))
