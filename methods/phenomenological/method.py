@@ -70,9 +70,9 @@ one. Front layers of alpha = 1 do not hide the color of transparent layers behin
 layers do not bend or blur each other. A bend cannot show anything beyond the edge of the picture. w
 grows with the cube of o, so that the light of thin smoke in front of a strong pane is lost in the
 mean. It reaches its clamps beyond 86 near-plane distances, where all layers weigh the same: hair
-looks as in unordered blending, and light in near fog does not outweigh light behind it. A sheet inside fog
-keeps its own light: fog in front of it attenuates the background, but not the sheet. Blurs beyond
-63 pixels end there in 8 bits.
+looks as in unordered blending, and light in near fog does not outweigh light behind it. A sheet
+inside fog keeps its own light: fog in front of it attenuates the background, but not the sheet.
+Blurs beyond 63 pixels end there in 8 bits.
 """
 
 from collections.abc import Mapping
