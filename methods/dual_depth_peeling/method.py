@@ -40,6 +40,9 @@ class DualDepthPeeling(oit.Method):
     quick = False
     expresses = oit.Effect.COVERAGE | oit.Effect.COLORED_TRANSMISSION
     layers = oit.Parameter(0, low=0, help="largest number of layers to peel, 0 for all")
+    no_msaa = (
+        "each pass would shade every sample; a_buffer[msaa=4] shows the same picture in one pass"
+    )
 
     @property
     def promises(self) -> frozenset[str]:

@@ -178,8 +178,9 @@ class Frame(Owner):
         )  # fmt: skip
         self.orders = self.own(DrawOrders(device.context, geometry.batches, plan.passes))
         self._steps = [self._compile(blueprint, step) for step in plan.steps]
+        resources = self.resources
         self._executor = Executor(
-            device, self._views, self.resources.copy, self.resources.take_counts, self.texels
+            device, self._views, resources.copy, resources.take_counts, resources.texels
         )
         self.resources.reserve(sum_by_tile(self.complexity, self.resources.tiles))
 

@@ -258,9 +258,11 @@ class FramePlan:
 
     @property
     def needs_depth_at_centers(self) -> bool:
-        """Whether a multisampled frame has passes that rasterize pixel centers."""
-        gathers = (item for item in self.passes if isinstance(item, Gather))
-        return self.samples > 1 and any(is_single(item, self.declared) for item in gathers)
+        """Whether a multisampled frame has passes that rasterize pixel centers, or read there."""
+        users = (
+            item for item in self.passes if isinstance(item, Gather) or OPAQUE_DEPTH in item.reads
+        )
+        return self.samples > 1 and any(is_single(item, self.declared) for item in users)
 
     def samples_of(self, target: str) -> int:
         """Return the samples per pixel of a target."""

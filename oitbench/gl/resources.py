@@ -13,7 +13,9 @@ from oitbench.gl.device import Device
 from oitbench.gl.ownership import Owner
 from oitbench.gl.plan import FramePlan
 from oitbench.gl.program.bindings import Access
+from oitbench.gl.readback import read_texels
 from oitbench.gl.tiling import ALLOCATOR_STRIDE, TILE, Counts, Region, split
+from oitbench.image.values import Values
 from oitbench.method.blue_noise import MASK, SIDE, thresholds
 from oitbench.method.formats import GLSL_BYTES
 from oitbench.method.passes import BLUE_NOISE
@@ -166,6 +168,12 @@ class Resources(Owner):
         self._wait()
         words = np.frombuffer(self._blocks[name, field].read(), dtype=np.uint32)
         return words.reshape(-1, GLSL_BYTES[self._plan.buffers[name].fields[field]] // 4)
+
+    def texels(self, target: str) -> Values:
+        """Return a target of one sample per pixel, top row first, shape (h, w, components)."""
+        declared = self._plan.targets[target]
+        size = declared.size(self._plan.size)
+        return read_texels(self._device, self.textures[target], size, declared.texel)
 
     def copy(self, source: str, target: str) -> None:
         """Copy the texels of one target to another of its format."""

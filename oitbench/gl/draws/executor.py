@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Callable, Hashable, Mapping, Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass, replace
+from fractions import Fraction
 
 import moderngl
 import numpy as np
@@ -198,9 +200,16 @@ class _Draws:
             stored = isinstance(item.step, Gather) and bool(item.step.buffers)
             record.fragments += 0 if stored else passed
             record.runs += 1
+            record.cleared += self._share(item)
             for key, count in self.take_counts().items():
                 record.accesses[key] = record.accesses.get(key, 0) + count
         return passed
+
+    def _share(self, item: CompiledPass) -> Fraction:
+        """Return the part of the targets that a pass clears, of the area of the frame."""
+        framebuffer = item.framebuffer
+        width, height = self._within(framebuffer, item)[2:]
+        return Fraction(width * height, math.prod(framebuffer.size))
 
     def _submit(self, item: CompiledPass, unit: tuple[int, int] | None) -> None:
         if item.draws is None:

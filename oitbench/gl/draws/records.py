@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Mapping
 from dataclasses import dataclass, field
+from fractions import Fraction
 from typing import Literal
 
 from oitbench.gl.program.bindings import Access
@@ -32,6 +33,8 @@ class PassRecord:
     name : str
     runs : int
         Issued draws of the screen, or of all geometry.
+    cleared : Fraction
+        Times that the pass has cleared its targets; a part of the frame counts by its area.
     fragments : int
         Samples that passed the depth test, or fragments stored in buffers.
     accesses : dict
@@ -40,6 +43,7 @@ class PassRecord:
 
     name: str
     runs: int = 0
+    cleared: Fraction = Fraction()
     fragments: int = 0
     accesses: dict[Access, int] = field(default_factory=dict)
 
@@ -104,7 +108,7 @@ def terms_of(
     def term(resource: str, kind: Kind, count: int) -> Term:
         return Term(name, resource, kind, count, targets[resource].texel.bytes)
 
-    terms = [term(target, "clear", texels(target) * record.runs) for target in step.clears]
+    terms = [term(target, "clear", int(texels(target) * record.cleared)) for target in step.clears]
     for target, kind in accesses_of(step):
         count = items
         if kind == "read" and taps is not None:

@@ -336,7 +336,7 @@ def _sources(blueprint: Blueprint, geometry: Geometry, step: Pass) -> tuple[Sour
         vertex.add_engine_file("screen.vert.glsl")
         return vertex, fragment
     per_sample = shades_samples(step, blueprint.per_sample)
-    places = prelude.interpolation(samples, per_sample, step.depth is not None)
+    places = prelude.interpolation(samples, per_sample, step.depth not in (None, OPAQUE_DEPTH))
     for source in (vertex, fragment):
         source.add_text("prelude (samples)", places)
         source.add_text("prelude (scene)", geometry.macros)
