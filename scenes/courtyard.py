@@ -192,7 +192,7 @@ def build(*, name: str, detail: float, extinction: float, seed: int) -> Scene:
         objects=(*_buildings(detail), *_tables(detail), *_plants(seed, detail)),
         lights=(DirectionalLight(opposite(SUNWARD), SUN), _lamplight(), gradient_sky(SKY)),
         medium=haze,
-        full_samples=80,
+        full_samples=120,
     )
 
 

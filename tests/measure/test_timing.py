@@ -122,7 +122,14 @@ def test_every_pass_has_samples(device: Device, time: Time) -> None:
     assert names == {
         "weighted_blended": ["start of the frame", "gather", "resolve"],
         "sorted_two_pass": ["start of the frame", "modulate and add"],
-        "depth_peeling": ["start of the frame", "peel", "add", "attenuate", "combine"],
+        "depth_peeling": [
+            "start of the frame",
+            "peel",
+            "add",
+            "attenuate",
+            "mark block=16",
+            "combine",
+        ],
     }
     for one in found.values():
         assert all(len(part.ms.samples) == 9 for part in one.passes)

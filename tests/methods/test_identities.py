@@ -49,6 +49,8 @@ NOT_PROMISED = {
         # In the mean.
         "hashed_alpha": "single_layer_exact total_transmittance_exact white_furnace"
         " two_layers_ordered visibility_monotonic",
+        "hashed_alpha[noise=blue]": "single_layer_exact equal_layers_exact order_independent"
+        " total_transmittance_exact white_furnace two_layers_ordered visibility_monotonic",
         # Few layers are beyond the nodes.
         "hybrid": "total_transmittance_exact visibility_monotonic",
         "k_buffer": "equal_layers_exact total_transmittance_exact visibility_monotonic",

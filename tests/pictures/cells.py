@@ -28,7 +28,11 @@ SHADING = (
     "translucent=published", "translucent=occluders", "translucent=published,downsampling=1",
     "translucent=occluders,downsampling=1", "downsampling=8", "slices=8", "rays=2",
 )  # fmt: skip
-FURTHER = ("moments[count=6,storage=unorm16]", "moments[count=8,storage=unorm16]")
+FURTHER = (
+    "moments[count=6,storage=unorm16]",
+    "moments[count=8,storage=unorm16]",
+    "a_buffer[storage=linked,msaa=4]",
+)
 """Methods of three values that reach branches which no pair of values reaches."""
 _GRAY = "-colored_shadows"
 _PLAIN = Effect.COVERAGE | Effect.COLORED_TRANSMISSION

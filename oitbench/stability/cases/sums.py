@@ -49,6 +49,6 @@ def cases() -> Iterable[Check]:
 def _peels(method: Method) -> str:
     """Return a reason if the method draws the geometry once per layer."""
     steps = plan_of(method, Request()).passes
-    loops = [item for item in steps if isinstance(item, Loop) and item.until_empty]
+    loops = [item for item in steps if isinstance(item, Loop) and (item.until_empty or item.within)]
     peeling = any(isinstance(item, Gather) for loop in loops for item in loop.passes)
     return "3000 geometry passes over 3000 layers take too long" if peeling else ""
