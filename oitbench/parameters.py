@@ -131,6 +131,19 @@ def selector(name: str, grid: Mapping[str, Sequence[Value]]) -> str:
     return f"{name}[{','.join(axes)}]" if axes else name
 
 
+def without(label: str, key: str) -> str:
+    """Return a label without one of its parameters.
+
+    Examples
+    --------
+    >>> without("lists[node=compact,size=4]", "size")
+    'lists[node=compact]'
+    """
+    parsed = parse(label)
+    kept = {name: values for name, values in parsed.grid.items() if name != key}
+    return selector(parsed.name, kept)
+
+
 def grids(parameters: Mapping[str, AnyParameter]) -> dict[str, tuple[Value, ...]]:
     """Return the values that the larger presets run, by parameter."""
     return {key: parameter.grid for key, parameter in parameters.items() if parameter.grid}

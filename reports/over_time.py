@@ -91,7 +91,8 @@ def _plots(records: Sequence[Record]) -> dict[Place, list[Curve]]:
         if frames is not None:
             place = record.seen, record.size, record.effects, record.shading
             curves = found.setdefault(place, {})
-            curves.setdefault((_without_frames(record), record.ssaa), {})[int(frames)] = record
+            method = parameters.without(record.method, _FRAMES)
+            curves.setdefault((method, record.ssaa), {})[int(frames)] = record
     plots = {
         place: [
             curve
@@ -102,12 +103,6 @@ def _plots(records: Sequence[Record]) -> dict[Place, list[Curve]]:
         for place, curves in found.items()
     }
     return {place: curves for place, curves in plots.items() if curves}
-
-
-def _without_frames(record: Record) -> str:
-    selected = parameters.parse(record.method)
-    kept = {name: values for name, values in selected.grid.items() if name != _FRAMES}
-    return parameters.selector(selected.name, kept)
 
 
 def _figure(context: ReportContext, plots: Mapping[Place, Sequence[Curve]]) -> Artifact:

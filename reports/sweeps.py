@@ -130,7 +130,7 @@ def _curves(records: Sequence[Record], collection: Collection) -> list[Curve]:
                 given = selected.grid.get(key)
                 value = _number(given[0]) if given else default
                 if value is not None:
-                    rest = labels | {owner: _without(label, key)}
+                    rest = labels | {owner: parameters.without(label, key)}
                     place = (*rest.values(), record.view, record.size, record.ssaa, record.effects)
                     group = Axis(owner, key), place
                     groups.setdefault(group, {})[value] = record
@@ -163,12 +163,6 @@ def _parameters(collection: Collection, owner: str, name: str) -> Mapping[str, A
         return plugins[name].parameters
     except OitbenchError:
         return {}  # of another collection, or gone
-
-
-def _without(label: str, key: str) -> str:
-    selected = parameters.parse(label)
-    kept = {name: values for name, values in selected.grid.items() if name != key}
-    return parameters.selector(selected.name, kept)
 
 
 def _number(value: object) -> float | None:

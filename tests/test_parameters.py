@@ -7,7 +7,7 @@ import math
 import pytest
 
 from oitbench.errors import UsageError
-from oitbench.parameters import AnyParameter, Parameter, Value, expand, label, parse, text
+from oitbench.parameters import AnyParameter, Parameter, Value, expand, label, parse, text, without
 
 PARAMETERS: dict[str, AnyParameter] = {
     "node": Parameter("precise", choices=("precise", "compact")),
@@ -100,3 +100,9 @@ def test_a_label_has_only_values_that_differ_from_the_defaults() -> None:
 @pytest.mark.parametrize("value", [0.1, 1 / 3, 0.123456789, 1e-7, 1.0, 123456789.0])
 def test_numbers_in_labels_are_exact(value: float) -> None:
     assert float(text(value)) == value
+
+
+def test_a_label_without_a_parameter() -> None:
+    assert without("lists[node=compact,size=4]", "size") == "lists[node=compact]"
+    assert without("lists[size=4]", "size") == "lists"
+    assert without("lists", "size") == "lists"

@@ -1,7 +1,7 @@
 """Files of options: `oitbench run --config FILE.toml`, and what every run writes to repeat it.
 
-A file holds the long names of options, such as `method = ["adaptive", "k_buffer"]`. Options of the
-command line replace those of the file.
+A file holds the long names of options, such as `size = "512x512"`; repeatable ones take lists.
+Options of the command line replace those of the file.
 """
 
 from __future__ import annotations
