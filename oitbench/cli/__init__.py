@@ -27,6 +27,7 @@ VERBS = (
     "reference",
     "import",
     "new",
+    "score",
     "report",
     "choose",
     "compare",
