@@ -28,6 +28,7 @@ VERBS = (
     "import",
     "new",
     "score",
+    "merge",
     "report",
     "choose",
     "compare",

@@ -9,13 +9,13 @@ import numpy as np
 
 from oitbench.image import files, metrics, stored
 from oitbench.image.files import Image
-from oitbench.results.schema import Record, Scores, flip_image
+from oitbench.results.schema import Record, RunFacts, Scores, flip_image
 from oitbench.results.store import CELLS, IMAGES, read_cells
 from oitbench.scoring.folder import score_folder
 from oitbench.scoring.scorer import Findings, Scorer
 from oitbench.truths import EXACT, MATCHED
 from oitbench.workers import memory
-from tests.made_up import changed, record, write
+from tests.made_up import FACTS, changed, record, write
 
 EXPOSURE = 1.0
 SHAPE = (16, 12, 3)
@@ -66,11 +66,19 @@ def _store(folder: Path, kind: str, image: Image) -> stored.StoredImage:
     return stored.store(folder, f"{IMAGES}/{kind}", files.image_channels(image))
 
 
-def write_results(folder: Path) -> Path:
-    """Write a results folder with two cells, and return it."""
+def write_results(
+    folder: Path,
+    methods: tuple[str, ...] = ("mean", "peel"),
+    facts: RunFacts = FACTS,
+    **fields: Any,
+) -> Path:
+    """Write a results folder with one cell for each method, and return it."""
     (folder / IMAGES).mkdir(parents=True)
-    cells = [write_cell(folder, "mean", picture(3)), write_cell(folder, "peel", picture(4))]
-    return write(folder, cells)
+    cells = [
+        write_cell(folder, name, picture(seed), gl=facts.gl, **fields)
+        for seed, name in enumerate(methods, start=3)
+    ]
+    return write(folder, cells, facts)
 
 
 def read(folder: Path) -> list[Record]:
