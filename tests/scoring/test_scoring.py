@@ -14,10 +14,12 @@ from oitbench.results.schema import Record
 from oitbench.results.store import IMAGES
 from oitbench.results.table import flat
 from oitbench.scoring.folder import score_folder
+from oitbench.scoring.metric import load_metric
 from oitbench.truths import EXACT, MATCHED
 from tests.damage import flip_bit
 from tests.made_up import changed, failed, write
 from tests.scoring.helpers import (
+    EXPOSURE,
     MAE,
     opened,
     picture,
@@ -96,8 +98,9 @@ def test_a_changed_metric_is_measured_again_and_an_equal_one_is_current(
 @pytest.mark.parametrize("found", ["math.nan", "-math.inf", "np.float32('nan')"])
 def test_values_that_are_not_finite_are_null(folder: Path, tmp_path: Path, found: str) -> None:
     text = MAE.replace("np.abs(test - reference).mean()", found)
-    findings = score(folder, write_metric(tmp_path, f"import math\n{text}"))
-    assert findings.lines == []
+    path = write_metric(tmp_path, f"import math\n{text}")
+    assert load_metric(path).value(picture(1), picture(2), EXPOSURE) is None
+    assert score(folder, path).lines == []
     assert values(read(folder)[0]) == [None, None]
 
 
