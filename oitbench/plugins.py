@@ -221,8 +221,14 @@ def installed_folder(value: str) -> Path:
     return Path(str(found.__path__[0] if isinstance(found, ModuleType) else found))
 
 
-def _load(path: Path) -> ModuleType:
-    """Load a plugin's file under a private name that no other module has."""
+def load_module(path: Path) -> ModuleType:
+    """Load a plugin's file under a private name that no other module has.
+
+    Raises
+    ------
+    DeclarationError
+        Its code fails. The message names file and line.
+    """
     # Signs become their code points, so that `my-method` and `my_method` stay two modules.
     name = "oitbench_plugin_" + "_".join(
         "".join(c if c.isalnum() else f"_{ord(c):x}_" for c in part)
@@ -242,7 +248,7 @@ def _load(path: Path) -> ModuleType:
 
 
 def _load_method(path: Path) -> type[Method]:
-    module = _load(path)
+    module = load_module(path)
     found = [
         value
         for value in vars(module).values()
@@ -290,7 +296,7 @@ def _load_scene(path: Path) -> ScenePlugin:
 
         name = _checked_name(path, path.stem)
         return ScenePlugin(name, f"Imported from {path.name}.", PARAMETERS, build)
-    module = _load(path)
+    module = load_module(path)
     _require(module, path, "scene", "parameters", "build")
     parameters = module.parameters
     if not isinstance(parameters, Mapping) or not all(
@@ -328,7 +334,7 @@ def _build_seen_from(build: Callable[..., Scene], *, near: float, **values: Any)
 
 
 def _load_report(path: Path) -> ModuleType:
-    module = _load(path)
+    module = load_module(path)
     _require(module, path, "report", "title", "build")
     return module
 

@@ -10,16 +10,17 @@ marked "compositing only".
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 from oitbench.image import metrics
 from oitbench.report import Artifact, Column, ReportContext, columns, times, write_table
 from oitbench.report.artifacts import Row
 from oitbench.report.cells import effect_labels
 from oitbench.results.ranking import EXPLANATION, ranking
-from oitbench.results.records import Panel
+from oitbench.results.records import Panel, Results
 from oitbench.results.schema import Record
 from oitbench.results.table import flat
-from oitbench.truths import COMPOSITING_ONLY, EXACT, FULL, MATCHED
+from oitbench.truths import COMPOSITING_ONLY, EXACT, FULL, MATCHED, TRUTHS
 
 title = "All results"
 order = 20
@@ -27,7 +28,8 @@ order = 20
 
 def build(context: ReportContext) -> list[Artifact]:
     """Write one table of all cells."""
-    heading = _columns(context.flip)
+    custom = _custom_columns(context.results)
+    heading = (*_columns(context.flip), *custom)
     rows: list[Row] = []
     for panel in context.results.panels():
         ranks = ranking(panel, context.flip).ranks
@@ -58,7 +60,9 @@ def _row(
     rank: str | None = None,
     left_out: str = "",
 ) -> Row:
-    values = times.marked(flat(cell), times.is_disturbed(cell)) | {
+    # A cell may lack a metric that others have.
+    values: dict[str, Any] = {column.key: None for column in heading}
+    values |= times.marked(flat(cell), times.is_disturbed(cell)) | {
         "scene": panel.title,
         "left_out": left_out,
         "rank": rank,
@@ -113,6 +117,22 @@ def _columns(flip: str) -> tuple[Column, ...]:
         Column("unstable_pixels", "Unstable", "px", help="NaN, infinite or negative pixels"),
         Column("missing_effects", "Missing effects", kind="text"),
         Column("reason", "Reason", kind="text"),
+    )
+
+
+def _custom_columns(results: Results) -> tuple[Column, ...]:
+    """Return the columns of users' metrics, against each truth for which there are values."""
+    return tuple(
+        Column(
+            f"{truth}.{name}",
+            f"{name} {truth}",
+            decimals=4,
+            help=f"against {TRUTHS[truth]}; {'higher' if facts.higher_is_better else 'lower'} is"
+            " better",
+        )
+        for name, facts in results.custom.items()
+        for truth in TRUTHS
+        if any(record.metric(truth, name) is not None for record in results.records)
     )
 
 

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from oitbench.cli import VERBS
@@ -21,6 +22,7 @@ from oitbench.method.promises import PROMISES
 from oitbench.places import own_folder
 from oitbench.report import markdown
 from oitbench.results.records import Results
+from oitbench.scoring.metric import load_metric
 from oitbench.stability import overview
 from oitbench.truths import TRUTHS
 from tests.helpers import collection
@@ -197,13 +199,23 @@ def shape(cell: str) -> str:
 
 
 def test_the_python_example_of_the_readme_runs(tmp_path: Path) -> None:
-    (example,) = [block.text for block in blocks("README.md") if block.kind == "python"]
+    (example,) = [b.text for b in blocks("README.md") if b.kind == "python" and b.file is None]
     (tmp_path / "example.py").write_text(
         example.replace("size=(256, 256)", "size=(32, 32)"), encoding="utf-8"
     )
     call("python example.py", tmp_path, tmp_path / "cache")
     assert (tmp_path / "glass_bars.png").is_file()
     assert (tmp_path / "trial" / "cells.jsonl").is_file()
+
+
+def test_the_metric_of_the_readme_is_one(tmp_path: Path) -> None:
+    (block,) = [b for b in blocks("README.md") if b.kind == "python" and b.file is not None]
+    path = tmp_path / str(block.file)
+    path.write_text(block.text, encoding="utf-8")
+    metric = load_metric(path)
+    black, gray = np.zeros((2, 2, 3), np.float32), np.full((2, 2, 3), 0.5, np.float32)
+    assert metric.value(black, gray, 0.0) == 0.5
+    assert (metric.name, metric.facts.higher_is_better) == ("mae_lin", False)
 
 
 def test_the_tutorial_works(tmp_path: Path) -> None:

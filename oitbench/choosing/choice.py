@@ -11,7 +11,7 @@ from oitbench.errors import UsageError, unknown
 from oitbench.image import metrics
 from oitbench.image.ties import Errors, clear_difference, clear_mean_difference
 from oitbench.results.ranking import Ranking, ranking
-from oitbench.results.records import Panel, Results
+from oitbench.results.records import Panel, Results, parts
 from oitbench.results.schema import CellKey, Record
 
 METRIC = metrics.FLIP_LDR
@@ -127,7 +127,7 @@ def choose(
     Parameters
     ----------
     folders : sequence of path
-        Results folders.
+        Results folders, also merged ones.
     scenes : iterable of str
         Labels of scenes, or names of scenes with any parameters and views. Default: all.
     constraints : Constraints, optional
@@ -156,7 +156,7 @@ def choose(
 
 def _load(folders: Sequence[Path], renderer: str) -> Results:
     """Return the cells of one renderer in all folders."""
-    loaded = [Results.load(folder) for folder in folders]
+    loaded = [Results.load(part) for folder in folders for part in parts(folder)]
     names = {cell.gl.renderer for found in loaded for cell in found.records if cell.gl is not None}
     name = _renderer(sorted(names), renderer)
     cells: dict[CellKey, Record] = {}

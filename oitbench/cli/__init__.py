@@ -27,6 +27,8 @@ VERBS = (
     "reference",
     "import",
     "new",
+    "score",
+    "merge",
     "report",
     "choose",
     "compare",

@@ -65,6 +65,18 @@ def _read_timeout(ctx: click.Context, parameter: click.Parameter, value: str) ->
     return parse_timeout(value)
 
 
+def metrics(help_text: str) -> Callable[[Command], Command]:
+    """Return the option `--metric`, whose value is files of metrics."""
+    return click.option(
+        "--metric",
+        "metrics",
+        multiple=True,
+        metavar="FILE",
+        type=click.Path(path_type=Path),
+        help=help_text,
+    )
+
+
 def timeout(default: float, step: str) -> Callable[[Command], Command]:
     """Return the option `--timeout`, whose value is seconds, or None for no limit."""
     return click.option(

@@ -17,7 +17,7 @@ from oitbench.report.sections import SECONDS
     "-o",
     "--out",
     type=click.Path(file_okay=False, path_type=Path),
-    help="Folder of the report. Default: RESULTS/report.",
+    help="Folder of the report. Default: `report` in the results folder.",
 )
 @click.option("--hdr", is_flag=True, help="Show HDR-FLIP instead of FLIP of the displayed image.")
 @click.option("--markdown", is_flag=True, help="Only print the main tables, as Markdown.")
@@ -41,21 +41,30 @@ def command(
 ) -> None:
     """Write figures (PNG, PDF) and tables (CSV) of RESULTS, and a page that shows them.
 
+    Merged results of several renderers have a page for each, since their times share no axis.
+
     The exit code is 1 if a section is missing because its report failed.
     """
     from oitbench.catalog.catalog import Catalog
     from oitbench.report import write
     from oitbench.report.markdown import tables
-    from oitbench.results.records import Results
+    from oitbench.results.records import Results, parts
 
+    folders = parts(results)
     if markdown:
-        click.echo(tables(Results.load(results)), nl=False)
+        for folder in folders:
+            heading = f"# {folder.name}\n\n" if len(folders) > 1 else ""
+            click.echo(heading + tables(Results.load(folder)), nl=False)
         return
     with Catalog(collections) as catalog:
         found = catalog.places.reports
     reports = {name: found[name] for name in sections or found}
-    page = write(results, out, reports, hdr=hdr, timeout=timeout)
-    for reason in page.missing:
-        click.echo(f"section left out: {reason}", err=True)
-    click.echo(page.path)
-    sys.exit(1 if page.missing else 0)
+    missing = False
+    for folder in folders:
+        place = out / folder.name if out is not None and len(folders) > 1 else out
+        page = write(folder, place, reports, hdr=hdr, timeout=timeout)
+        for reason in page.missing:
+            click.echo(f"section left out: {reason}", err=True)
+        click.echo(page.path)
+        missing |= bool(page.missing)
+    sys.exit(1 if missing else 0)

@@ -57,6 +57,7 @@ _WIDE = 200
     help="exact: exact compositing; matched: the light transport that the effects stand for; full:"
     " all of it. Repeatable; exact is always scored. Default: all three; guard: exact.",
 )
+@options.metrics("File of a metric by which cells are scored, too. Repeatable.")
 @click.option(
     "--out",
     type=click.Path(path_type=Path),
@@ -97,6 +98,7 @@ def command(
     truths: tuple[str, ...],
     shading: tuple[str, ...],
     views: tuple[str, ...],
+    metrics: tuple[Path, ...],
     out: Path,
     force: bool,
     timeout: float | None,
@@ -110,7 +112,8 @@ def command(
     Finished cells of an earlier run in the same folder are kept if nothing that determines them has
     changed; failed ones are tried again.
 
-    The exit code is 1 if a cell failed, timed out, is unstable or is suspect.
+    The exit code is 1 if a cell failed, timed out, is unstable or is suspect, or if a metric of a
+    file failed.
     """
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
@@ -122,7 +125,7 @@ def command(
 
     matrix = plan_matrix(
         scenes, methods, preset, size, effects, ssaa, out, collections, seed, force,
-        timeout, workers, memory_gib, truths, shading, views or (MAIN,),
+        timeout, workers, memory_gib, truths, shading, views or (MAIN,), metrics,
     )  # fmt: skip
     matrix = replace(matrix, config=config.text(context, context.params))
     console = Console(stderr=True, highlight=False, soft_wrap=True)
@@ -149,6 +152,8 @@ def _print_end(out: Path, summary: Summary) -> None:
     """Print the cells that a user should look at, the summary, and the next commands."""
     if summary.warning:
         click.echo(f"disturbed: {summary.warning}", err=True)
+    for fault in summary.faults:
+        click.echo(f"metric: {fault}", err=True)
     if summary.troubled:
         _print_table(summary)
     click.echo(f"{out}: {summary}")

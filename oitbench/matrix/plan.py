@@ -109,6 +109,8 @@ class Matrix:
         Processes that render accuracy images at once; timing is never parallel.
     memory_limit : int
         Bytes that each of these processes may use.
+    metrics : tuple of Path
+        Files of metrics by which cells are scored, too.
     config : str
         Content of the file that repeats the run; empty for none.
     """
@@ -124,6 +126,7 @@ class Matrix:
     timeout: float | None = CELL_SECONDS
     workers: int = 1
     memory_limit: int = field(default_factory=lambda: memory.share(1))
+    metrics: tuple[Path, ...] = ()
     config: str = ""
 
 
@@ -144,6 +147,7 @@ def plan_matrix(
     truths: Sequence[str] = (),
     shading: Sequence[str] = (),
     views: Sequence[str] = (MAIN,),
+    metrics: Iterable[Path | str] = (),
 ) -> Matrix:
     """Check a request and expand it to cells.
 
@@ -177,6 +181,8 @@ def plan_matrix(
         Settings of shared shading, NAME=value,value each; all combinations are run.
     views : sequence of str
         NAME or NAME,NAME each: the cameras from which all scenes are seen; see `Scene.from_view`.
+    metrics : iterable of path
+        Files of metrics, as `oitbench.scoring.metric` describes them.
 
     Raises
     ------
@@ -225,7 +231,7 @@ def plan_matrix(
         catalog.places.files(method.name for method in chosen_methods),
         tuple(catalog.names("method")),
         {cell: error for cell, error in pairs if error}, force, timeout, workers,
-        limit,
+        limit, tuple(map(Path, metrics)),
     )  # fmt: skip
 
 

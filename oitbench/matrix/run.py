@@ -24,6 +24,8 @@ from oitbench.measure.rounds import Schedule
 from oitbench.results.schema import TROUBLED, Record
 from oitbench.results.store import Store
 from oitbench.results.times import Processor
+from oitbench.scoring.folder import score_cell
+from oitbench.scoring.scorer import Findings, Scorer
 
 _KINDS = ("rendering", "metrics", "references")
 
@@ -47,6 +49,8 @@ class Summary:
     disturbed : dict of str to float
         Share of the CPU time that other processes took, by the label of each scene whose times
         they disturbed.
+    faults : list of str
+        Why metrics of users' files have no value, one line each.
     """
 
     statuses: dict[str, int] = field(default_factory=dict)
@@ -55,6 +59,7 @@ class Summary:
     wall: float = 0.0
     spent: dict[str, float] = field(default_factory=dict)
     disturbed: dict[str, float] = field(default_factory=dict)
+    faults: list[str] = field(default_factory=list)
 
     @property
     def warning(self) -> str:
@@ -78,8 +83,8 @@ class Summary:
 
     @property
     def exit_code(self) -> int:
-        """0 if all cells are well, else 1."""
-        return 1 if self.troubled else 0
+        """0 if all cells are well and all metrics have worked, else 1."""
+        return 1 if self.troubled or self.faults else 0
 
     def __str__(self) -> str:
         done = ", ".join(f"{count} {status}" for status, count in sorted(self.statuses.items()))
@@ -138,7 +143,10 @@ def run_matrix(
         WorkerProcess(matrix.plugins, matrix.out, matrix.memory_limit)
         for _ in range(matrix.workers)
     ]
-    with Store.open(matrix.out) as store:
+    with (
+        Scorer(matrix.metrics, matrix.memory_limit, matrix.timeout) as scorer,
+        Store.open(matrix.out) as store,
+    ):
         try:
             greeting = pool[0].ask(Hello(), Greeting, retry=True)
             store.check_renderer(greeting.gl.renderer)
@@ -157,6 +165,7 @@ def run_matrix(
                 summary.add(spent)
             for extra in pool[1:]:
                 extra.stop()
+            _score_all(matrix, store, summary, scorer)
             if matrix.preset.rounds:
                 _time_all(matrix, pool[0], store, summary, rendering, facts.cpu)
             _count(matrix, store, summary, rendering)
@@ -179,6 +188,17 @@ def _count(matrix: Matrix, store: Store, summary: Summary, rendering: Rendering)
             summary.statuses[record.status] = summary.statuses.get(record.status, 0) + 1
         if record.status in TROUBLED:
             summary.troubled.append(record)
+
+
+def _score_all(matrix: Matrix, store: Store, summary: Summary, scorer: Scorer) -> None:
+    """Score the cells that lack a metric of a user's file, or have it of an earlier file."""
+    start, findings = time.perf_counter(), Findings()
+    for cell in matrix.cells:
+        record = store.find(cell.key)
+        if record is not None and not scorer.is_current(record):
+            score_cell(store, record, scorer, findings)
+    summary.faults = findings.lines
+    summary.add({"metrics": time.perf_counter() - start})
 
 
 def _time_all(

@@ -23,10 +23,13 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+import msgspec
+
 from oitbench import json_text
 from oitbench.atomic import replacing
 from oitbench.errors import UsageError
 from oitbench.image import metrics
+from oitbench.results.custom import CustomMetric
 from oitbench.results.records import Results
 from oitbench.results.schema import FINISHED, WHOLE, PassRuns, Record
 from oitbench.results.times import Interval
@@ -59,11 +62,14 @@ class Snapshot:
         By the cell's label: scene, method, size and settings.
     times : mapping of str to Interval
         Method times that nothing disturbed; a baseline file has none.
+    custom : mapping of str to CustomMetric
+        The metrics of users' files by name.
     """
 
     renderer: str
     rows: Mapping[str, Row]
     times: Mapping[str, Interval] = field(default_factory=dict)
+    custom: Mapping[str, CustomMetric] = field(default_factory=dict)
 
 
 def label(record: Record) -> str:
@@ -91,7 +97,7 @@ def row(record: Record) -> Row:
     fields["passes"] = _passes(outcome.passes)
     fields["ranking_truth"] = record.ranking_truth
     for truth, scores in outcome.scores.items():
-        for name in METRICS:
+        for name in (*METRICS, *outcome.custom):
             if name in scores.metrics:
                 fields[f"{truth}.{name}"] = _rounded(scores.metrics[name])
     return fields
@@ -119,12 +125,15 @@ def save(folder: Path | str, path: Path | str) -> Snapshot:
     """
     snapshot = _read_folder(Path(folder))
     _check_each(f"{folder}", snapshot.rows)
+    custom = msgspec.to_builtins(snapshot.custom)
     content: dict[str, Any] = {
         "cells": snapshot.rows,
-        "checksum": _checksum(snapshot.renderer, snapshot.rows),
+        "checksum": _checksum(snapshot.renderer, snapshot.rows, custom),
         "format": FORMAT,
         "renderer": snapshot.renderer,
     }
+    if custom:
+        content["custom"] = custom
     text = json.dumps(content, indent=1, sort_keys=True, ensure_ascii=False, allow_nan=False)
     with replacing(Path(path)) as partial:
         partial.write_text(text + "\n", encoding="utf-8")
@@ -155,8 +164,10 @@ def _has_numbers(fields: Row) -> bool:
     return fields["status"] in FINISHED and fields.get(f"{EXACT}.{metrics.RMSE}") is not None
 
 
-def _checksum(renderer: str, rows: Mapping[str, Row]) -> str:
-    text = json.dumps([renderer, rows], sort_keys=True, allow_nan=False)
+def _checksum(renderer: str, rows: Mapping[str, Row], custom: Mapping[str, Any]) -> str:
+    # Without metrics of users, there is nothing to protect.
+    content = [renderer, rows, custom] if custom else [renderer, rows]
+    text = json.dumps(content, sort_keys=True, allow_nan=False)
     return hashlib.sha256(text.encode()).hexdigest()[:16]
 
 
@@ -165,7 +176,7 @@ def _read_folder(folder: Path) -> Snapshot:
     rows = {label(record): row(record) for record in loaded.records}
     timed = [(item, item.time) for item in loaded.records if item.time is not None]
     times = {label(item): time.method_ms for item, time in timed if not time.block.disturbed}
-    return Snapshot(loaded.renderer, rows, times)
+    return Snapshot(loaded.renderer, rows, times, loaded.custom)
 
 
 def _read_file(path: Path) -> Snapshot:
@@ -183,10 +194,11 @@ def _read_file(path: Path) -> Snapshot:
     for name, fields in rows.items():
         if not _is_row(fields):
             raise UsageError(f"{path}: the cell {name} is damaged; save a new baseline")
-    if content.get("checksum") != _checksum(renderer, rows):
+    custom = content.get("custom", {})
+    if content.get("checksum") != _checksum(renderer, rows, custom):
         raise UsageError(f"{path} is damaged or was edited by hand; save a new baseline")
     _check_each(f"{path}", rows)
-    return Snapshot(renderer, rows)
+    return Snapshot(renderer, rows, custom=msgspec.convert(custom, dict[str, CustomMetric]))
 
 
 def _is_row(fields: Any) -> bool:

@@ -182,9 +182,10 @@ def compare_snapshots(now: Snapshot, before: Snapshot) -> Comparison:
     found = [Difference(cell, "", None, None, MISSING) for cell in before.rows.keys() - now.rows]
     found += [Difference(cell, "", None, None, ORPHANED) for cell in now.rows.keys() - before.rows]
     counts = SAME_COUNTS if now.renderer == before.renderer else OTHER_COUNTS
+    limits = _tolerances(now, before)
     common = before.rows.keys() & now.rows.keys()
     for cell in common:
-        for name, verdict in _judge_row(before.rows[cell], now.rows[cell], counts):
+        for name, verdict in _judge_row(before.rows[cell], now.rows[cell], counts, limits):
             values = (before.rows[cell].get(name), now.rows[cell].get(name))
             found.append(Difference(cell, name, *values, verdict))
     if now.renderer == before.renderer:
@@ -193,14 +194,29 @@ def compare_snapshots(now: Snapshot, before: Snapshot) -> Comparison:
     return Comparison(before.renderer, now.renderer, len(common), tuple(found))
 
 
-def _judge_row(before: Row, now: Row, counts: Tolerance) -> Iterator[tuple[str, str]]:
+def _tolerances(now: Snapshot, before: Snapshot) -> Mapping[str, Tolerance]:
+    """Return the tolerances of the suite's metrics, and of users' that are the same on both sides.
+
+    Values of a metric whose file has changed cannot be compared.
+    """
+    custom = {
+        name: Tolerance(facts.tolerance, facts.relative_tolerance, facts.higher_is_better)
+        for name, facts in before.custom.items()
+        if now.custom.get(name) == facts
+    }
+    return {**TOLERANCES, **custom}
+
+
+def _judge_row(
+    before: Row, now: Row, counts: Tolerance, limits: Mapping[str, Tolerance]
+) -> Iterator[tuple[str, str]]:
     """Yield the fields of a cell that differ, each with a verdict.
 
     Fields that the baseline lacks are not judged.
     """
     for name in before:
         if name in now:
-            verdict = _judge(name, before, now, counts)
+            verdict = _judge(name, before, now, counts, limits)
         else:
             # A cell without an image has no numbers; its status already says so.
             verdict = LOST if now["status"] in FINISHED else None
@@ -208,22 +224,27 @@ def _judge_row(before: Row, now: Row, counts: Tolerance) -> Iterator[tuple[str, 
             yield name, verdict
 
 
-def _judge(name: str, before: Row, now: Row, counts: Tolerance) -> str | None:
+def _judge(
+    name: str, before: Row, now: Row, counts: Tolerance, limits: Mapping[str, Tolerance]
+) -> str | None:
     truth, _, metric = name.partition(".")
     if truth in TRUTHS or truth == WHOLE:
-        return _judge_metric(metric, _score(truth, metric, before), _score(truth, metric, now))
+        if metric not in limits:
+            return CHANGED
+        scores = _score(truth, metric, before), _score(truth, metric, now)
+        return _judge_metric(limits[metric], *scores)
     value, other = before[name], now[name]
     if isinstance(value, int | float) and isinstance(other, int | float):
         return counts.judge(value, other) and CHANGED
     return None if value == other else CHANGED
 
 
-def _judge_metric(name: str, before: float | None, now: float | None) -> str | None:
+def _judge_metric(limit: Tolerance, before: float | None, now: float | None) -> str | None:
     if before is None or now is None:
         if before is None and now is None:
             return None
         return LOST if now is None else BETTER
-    return TOLERANCES[name].judge(before, now)
+    return limit.judge(before, now)
 
 
 def _score(truth: str, name: str, row: Row) -> float | None:

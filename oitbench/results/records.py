@@ -17,6 +17,7 @@ from oitbench.image import files, stored
 from oitbench.image.files import Image
 from oitbench.method.ablation import REQUESTED
 from oitbench.parameters import natural
+from oitbench.results.custom import CustomMetric
 from oitbench.results.schema import (
     COMPLEXITY,
     CellKey,
@@ -107,8 +108,12 @@ class Results:
             There is no such folder, it holds no cells, or cells of another version of the suite.
         """
         folder = Path(folder)
-        if not (folder / CELLS).is_file():
-            raise UsageError(f"{folder} holds no {CELLS}; give the folder of a run")
+        found = parts(folder)
+        if found != [folder]:
+            raise UsageError(
+                f"{folder} holds results of several renderers; give one of"
+                f" {', '.join(map(str, found))}"
+            )
         records = tuple(read_cells(folder / CELLS).values())
         facts = read_run(folder / RUN) or RunFacts(gl=None, seed=None)
         return cls(folder, records, facts)
@@ -122,6 +127,12 @@ class Results:
     def methods(self) -> tuple[str, ...]:
         """Method labels, sorted so that 8 comes before 16."""
         return tuple(sorted({record.method for record in self.records}, key=natural))
+
+    @property
+    def custom(self) -> dict[str, CustomMetric]:
+        """The metrics of users' files that cells have, by name."""
+        outcomes = (record.outcome for record in self.records)
+        return {name: facts for o in outcomes if o for name, facts in o.custom.items()}
 
     @property
     def renderer(self) -> str:
@@ -215,6 +226,22 @@ class Results:
         import pandas as pd
 
         return pd.DataFrame([flat(record) for record in self.records])
+
+
+def parts(folder: Path) -> list[Path]:
+    """Return the folder of each renderer in merged results, or the folder of a run itself.
+
+    Raises
+    ------
+    UsageError
+        It holds no results.
+    """
+    if (folder / CELLS).is_file():
+        return [folder]
+    found = sorted(path.parent for path in folder.glob(f"*/{CELLS}"))
+    if not found:
+        raise UsageError(f"{folder} holds no {CELLS}; give the folder of a run")
+    return found
 
 
 def _place(record: Record) -> _Place:

@@ -19,12 +19,13 @@ from oitbench.image.ties import Errors
 from oitbench.method.demands import Demands
 from oitbench.parameters import Value
 from oitbench.results.checksum import CHECKSUM
+from oitbench.results.custom import CustomMetric
 from oitbench.results.statistics import Count, SceneStatistics
 from oitbench.results.times import Processor, Time
 from oitbench.truths import ranking_truth
 from oitbench.views import MAIN, seen
 
-VERSION: Final = 5
+VERSION: Final = 6
 """Version of the schema; a change of any field raises it."""
 SCHEMA_FILE = Path(__file__).with_name("record.schema.json")
 
@@ -140,8 +141,8 @@ class Scores(_Typed, frozen=True):
     traced truth was rendered. `jackknife` has, for a truth with noise in several parts, the FLIP of
     the displayed image against the mean of all parts but each one. `transparent` and `opaque` are
     the means of FLIP over pixels with a transparent fragment and over the others; null if there are
-    none. `reason` says why there are no metrics, and `message` is a remark on the truth for
-    readers.
+    none. `faults` says, by the name of a user's metric, why it failed. `reason` says why there are
+    no metrics, and `message` is a remark on the truth for readers.
     """
 
     metrics: dict[str, float | None] = {}
@@ -152,6 +153,7 @@ class Scores(_Typed, frozen=True):
     reference: ReferenceFacts | None = None
     reason: str = ""
     message: str = ""
+    faults: dict[str, str] = {}
 
 
 class Outcome(_Typed, frozen=True):
@@ -165,6 +167,7 @@ class Outcome(_Typed, frozen=True):
     compositing. `transparent_pixels` counts pixels of accuracy images with a transparent fragment
     in any sub-pixel. `exposure` is in stops. `demands` are those of the method with the effects
     that ran. `plan` is a digest of the targets, buffers and passes that the method declared.
+    `custom` describes the metrics of users' files, whose values are in `scores` beside the suite's.
     """
 
     parameters: dict[str, Value]
@@ -181,6 +184,7 @@ class Outcome(_Typed, frozen=True):
     exposure: float
     demands: Demands
     plan: str = ""
+    custom: dict[str, CustomMetric] = {}
 
 
 class CellKey(_Typed, frozen=True):
@@ -260,7 +264,7 @@ class Record(_Typed, frozen=True):
     time: Time | None = None
     shading: str = ""
     view: str = MAIN
-    schema: Literal[5] = VERSION
+    schema: Literal[6] = VERSION
 
     @property
     def seen(self) -> str:
@@ -356,7 +360,7 @@ class RunFacts(_Typed, frozen=True):
     git: Commit | None = None
     date: str = ""
     wall: dict[str, float] = {}
-    schema: Literal[5] = VERSION
+    schema: Literal[6] = VERSION
 
     @property
     def renderer(self) -> str:

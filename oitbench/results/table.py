@@ -47,6 +47,8 @@ def flat(record: Record) -> dict[str, Any]:
         for name in (metrics.FLIP_LDR, metrics.FLIP_HDR):
             row[f"{truth}.transparent.{name}"] = scores.transparent.get(name) if scores else None
             row[f"{truth}.opaque.{name}"] = scores.opaque.get(name) if scores else None
+        custom = outcome.custom if outcome else ()
+        row |= {f"{truth}.{name}": record.metric(truth, name) for name in custom}
     row |= {f"{EXACT}.{name}": record.metric(EXACT, name) for name in _EXACT_ONLY}
     for truth in TRACED:
         scores = outcome.scores.get(truth) if outcome else None

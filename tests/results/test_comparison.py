@@ -10,9 +10,11 @@ import pytest
 import oitbench
 from oitbench.errors import UsageError
 from oitbench.image import metrics
+from oitbench.results import baseline
 from oitbench.results import comparison as regression
 from oitbench.results.baseline import Snapshot
 from oitbench.results.comparison import TOLERANCES, Comparison, Tolerance
+from oitbench.results.custom import CustomMetric
 from oitbench.results.schema import PassRuns, Record
 from oitbench.results.times import Interval
 from tests.made_up import VALUES, changed, failed, record, timed, write
@@ -20,6 +22,8 @@ from tests.results.helpers import ALPHA, BETA, Change, compared, exact, field, s
 
 SPREADS = {metrics.ORDER_SPREAD_MAX, metrics.ORDER_SPREAD_MEAN}
 """Metrics that `metrics.compare` does not return."""
+MAE = CustomMetric(False, 0.1, 0.0, "digest")
+"""A metric of a user's file."""
 
 
 def found(comparison: Comparison) -> list[tuple[str, str, str]]:
@@ -202,3 +206,60 @@ def test_times_that_were_disturbed_are_not_compared(before: Path) -> None:
 def test_a_file_that_does_not_exist_is_refused(before: Path) -> None:
     with pytest.raises(UsageError, match="cannot be read"):
         oitbench.compare(before, before / "nothing")
+
+
+def judged(name: str, value: float, facts: CustomMetric = MAE) -> Change:
+    """Return the change of a cell to one with a metric of a user's file."""
+
+    def change(item: Record) -> Record:
+        scored = changed(item, f"outcome.scores.exact.metrics.{name}", value)
+        return cast(Record, changed(scored, "outcome.custom", {name: facts}))
+
+    return change
+
+
+@pytest.mark.parametrize("kind", ["folder", "file"])
+@pytest.mark.parametrize(
+    ("value", "higher", "verdict"),
+    [
+        (2.0, False, None),
+        (2.29, False, None),
+        (2.31, False, "worse"),
+        (1.69, False, "better"),
+        (2.31, True, "better"),
+        (1.69, True, "worse"),
+    ],
+)
+def test_a_users_metric_is_judged_by_its_direction_and_tolerances(
+    before: Path, kind: str, value: float, higher: bool, verdict: str | None
+) -> None:
+    facts = CustomMetric(higher, 0.1, 0.1, "digest")
+    old: Path = write(before.parent / "old", [judged("mae", 2.0, facts)(record("mean"))])
+    new = write(before.parent / "new", [judged("mae", value, facts)(record("mean"))])
+    if kind == "file":
+        old = before.parent / "baseline.json"
+        baseline.save(before.parent / "old", old)
+    expected = [(verdict, ALPHA, "exact.mae")] if verdict else []
+    assert found(oitbench.compare(new, old)) == expected
+
+
+def test_values_of_a_users_metric_that_has_changed_are_not_compared(before: Path) -> None:
+    other = CustomMetric(False, 0.1, 0.0, "other")
+    old = write(before.parent / "old", [judged("mae", 2.0)(record("mean"))])
+    new = write(before.parent / "new", [judged("mae", 2.0, other)(record("mean"))])
+    assert found(oitbench.compare(new, old)) == [("changed", ALPHA, "exact.mae")]
+
+
+def test_a_users_metric_that_only_one_side_has_is_lost_or_new(before: Path) -> None:
+    scored = write(before.parent / "scored", [judged("mae", 2.0)(record("mean"))])
+    plain = write(before.parent / "plain", [record("mean")])
+    assert found(oitbench.compare(plain, scored)) == [("lost", ALPHA, "exact.mae")]
+    assert found(oitbench.compare(scored, plain)) == []
+
+
+def test_the_tolerance_of_a_users_metric_in_a_baseline_cannot_be_edited(before: Path) -> None:
+    file = before.parent / "baseline.json"
+    baseline.save(write(before.parent / "old", [judged("mae", 2.0)(record("mean"))]), file)
+    file.write_text(file.read_text().replace('"tolerance": 0.1', '"tolerance": 9.1'))
+    with pytest.raises(UsageError, match="damaged or was edited by hand"):
+        oitbench.compare(before, file)

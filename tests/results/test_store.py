@@ -182,7 +182,7 @@ def test_results_of_another_version_are_refused_in_one_line(
 def test_a_flipped_version_is_damage_and_no_other_version(tmp_path: Path) -> None:
     write(tmp_path, [record()])
     text = (tmp_path / CELLS).read_text()
-    (tmp_path / CELLS).write_text(text.replace('"schema":5', '"schema":6'))
+    (tmp_path / CELLS).write_text(text.replace('"schema":6', '"schema":7'))
     assert read_cells(tmp_path / CELLS) == {}
 
 
@@ -204,7 +204,7 @@ def facts(renderer: str, seed: int = 1) -> RunFacts:
     return RunFacts(gl=Renderer(renderer), seed=seed)
 
 
-@pytest.mark.parametrize("run", [None, "{", '{"schema": 5}'], ids=["none", "damaged", "unsealed"])
+@pytest.mark.parametrize("run", [None, "{", '{"schema": 6}'], ids=["none", "damaged", "unsealed"])
 def test_cells_of_another_renderer_are_refused_whatever_the_run_facts_say(
     tmp_path: Path, run: str | None
 ) -> None:

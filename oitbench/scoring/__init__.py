@@ -1,0 +1,1 @@
+"""Scores of stored images, by the metrics of the suite and by those of users' files."""
