@@ -41,20 +41,17 @@ def choose(texts: Iterable[str]) -> list[str]:
     ------
     UsageError
         There is no such engine.
-    DeclarationError
-        Its adapter cannot be imported; see `load`.
     """
     known = entries()
     names = [name.strip() for text in texts for name in text.split(",")]
     for name in names:
         if name not in known:
             raise unknown("engine", name, known)
-        load(name)
     return list(dict.fromkeys(names))
 
 
 def load(name: str) -> type[Engine]:
-    """Return the adapter of a name.
+    """Return the adapter of a name. It is code of a plugin, which only a worker process runs.
 
     Raises
     ------

@@ -51,9 +51,10 @@ class Picture(_Typed, frozen=True):
 class EngineRow(_Typed, frozen=True):
     """One algorithm of an engine in one place, beside the method of the suite that is its peer.
 
-    `remark` says where the two differ. `ratio` is the time of a whole frame over that of the peer,
-    without a unit, of frames drawn in turns; null if it was not timed. `renderer` draws the row and
-    `peer_renderer` its peer: only if they are equal does the ratio compare algorithms alone.
+    `algorithm` is empty if the adapter could not tell any. `remark` says where the two differ.
+    `ratio` is the time of a whole frame over that of the peer, without a unit, of frames drawn in
+    turns; null if it was not timed. `renderer` draws the row and `peer_renderer` its peer: only if
+    they are equal does the ratio compare algorithms alone.
     """
 
     place: Place
@@ -73,7 +74,7 @@ class EngineRow(_Typed, frozen=True):
     @property
     def label(self) -> str:
         """The row as tables name it, `ENGINE:ALGORITHM`."""
-        return f"{self.engine}:{self.algorithm}"
+        return f"{self.engine}:{self.algorithm}" if self.algorithm else self.engine
 
     @property
     def key(self) -> tuple[Place, str]:

@@ -17,11 +17,18 @@ from msgspec.structs import replace
 from oitbench.atomic import locked
 from oitbench.effects import effects_of
 from oitbench.engines import record
-from oitbench.engines.adapter import Algorithm
 from oitbench.engines.content import require_coverage_alone
-from oitbench.engines.known import load
 from oitbench.engines.record import PEER, EngineRow, Picture, Place
-from oitbench.engines.worker import DrawRow, Reply, RowDrawn, RowTimed, Settings, TimeRow
+from oitbench.engines.worker import (
+    Describe,
+    Described,
+    DrawRow,
+    Reply,
+    RowDrawn,
+    RowTimed,
+    Settings,
+    TimeRow,
+)
 from oitbench.errors import CapabilityError, OitbenchError, SceneError, StorageError
 from oitbench.image.stored import StoredImage
 from oitbench.measure import rounds
@@ -84,21 +91,17 @@ def run(job: Job, on_row: OnRow = lambda row: None) -> list[EngineRow]:
     UsageError
         Another process runs engines in this folder.
     """
-    algorithms = {name: load(name).algorithms for name in job.engines}
     records = {found.key: found for found in Results.load(job.folder).records}
     done: list[EngineRow] = []
     (job.folder / record.FOLDER).mkdir(exist_ok=True)
     with ExitStack() as stack, locked(job.folder / record.FOLDER / _LOCK):
         kept = {row.key: row for row in record.read(job.folder)}
         desk = _Desk(job, stack)
+        known = [desk.described(name) for name in job.engines]
         for place, keys in _places(job.cells).items():
             base = [records[key] for key in keys if key in records and records[key].finished]
-            rows = [
-                _started(place, engine, name, algorithm, base)
-                for engine, known in algorithms.items()
-                for name, algorithm in known.items()
-            ]
-            rows = desk.timed([desk.drawn(row, base[0]) if base else row for row in rows])
+            started = [_started(place, blank, base) for rows in known for blank in rows]
+            rows = desk.timed([desk.drawn(row, base[0]) if base else row for row in started])
             kept |= {row.key: row for row in rows}
             record.write(job.folder, kept.values())
             for row in rows:
@@ -116,13 +119,11 @@ def _places(cells: Iterable[CellKey]) -> dict[Place, list[CellKey]]:
     return found
 
 
-def _started(
-    place: Place, engine: str, name: str, algorithm: Algorithm, base: Sequence[Record]
-) -> EngineRow:
-    reason = "" if base else "no cell with all effects and the default shading has finished here"
-    return EngineRow(
-        place, engine, name, algorithm.peer, "skipped", reason, remark=algorithm.remark
-    )
+def _started(place: Place, blank: EngineRow, base: Sequence[Record]) -> EngineRow:
+    row = replace(blank, place=place)
+    if base or row.status == "failed":
+        return row
+    return replace(row, reason="no cell with all effects and the default shading has finished here")
 
 
 class _Desk:
@@ -138,8 +139,22 @@ class _Desk:
         }
         self._peers: dict[tuple[Place, str], RowDrawn] = {}
 
+    def described(self, engine: str) -> list[EngineRow]:
+        """Return a row of each algorithm of an engine, in no place yet; a failed one for none."""
+        blank = EngineRow(Place(""), engine, "", "", "skipped")
+        try:
+            reply = self._processes[engine].ask(Describe(), Described, self._job.timeout)
+        except OitbenchError as error:
+            return [replace(blank, status="failed", reason=str(error))]
+        return [
+            replace(blank, algorithm=name, peer=algorithm.peer, remark=algorithm.remark)
+            for name, algorithm in reply.algorithms.items()
+        ]
+
     def drawn(self, row: EngineRow, base: Record) -> EngineRow:
         """Return a row with its picture and that of its peer, or with the reason for none."""
+        if row.status == "failed":
+            return row
         assert base.outcome is not None
         truths = {name: base.outcome.images[name] for name in TRUTHS if name in base.outcome.images}
         try:

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from msgspec import Struct
 
-from oitbench.engines.adapter import Drawing, Engine
+from oitbench.engines.adapter import Algorithm, Drawing, Engine
 from oitbench.engines.content import unlit
 from oitbench.engines.known import load
 from oitbench.engines.own import OwnFrame
@@ -34,6 +34,10 @@ class Settings(Struct, frozen=True):
     engine: str = ""
 
 
+class Describe(Struct, frozen=True, tag=True):
+    """Asks for what an engine can do, which its adapter knows even if it is not installed."""
+
+
 class DrawRow(Struct, frozen=True, tag=True):
     """Asks for the picture of an algorithm, scored against pictures of the results folder.
 
@@ -52,6 +56,12 @@ class TimeRow(Struct, frozen=True, tag=True):
     algorithm: str
 
 
+class Described(Struct, frozen=True, tag=True):
+    """The algorithms of an engine by name."""
+
+    algorithms: dict[str, Algorithm]
+
+
 class RowDrawn(Struct, frozen=True, tag=True):
     """The picture, its scores by what it was compared with, and facts of the engine."""
 
@@ -67,8 +77,8 @@ class RowTimed(Struct, frozen=True, tag=True):
     ms: float
 
 
-Request = DrawRow | TimeRow
-Reply = RowDrawn | RowTimed
+Request = Describe | DrawRow | TimeRow
+Reply = Described | RowDrawn | RowTimed
 _Open = Callable[[Scene, str, tuple[int, int]], Drawing]
 
 
@@ -156,9 +166,13 @@ class _Easel:
 
 
 def _begin(settings: Settings, on_step: OnStep) -> Callable[[Request], Reply]:
-    easel = _Easel(settings, on_step)
+    easel: _Easel | None = None
 
     def answer(request: Request) -> Reply:
+        nonlocal easel
+        if isinstance(request, Describe):
+            return Described(dict(load(settings.engine).algorithms))
+        easel = easel or _Easel(settings, on_step)
         return easel.draw(request) if isinstance(request, DrawRow) else easel.time(request)
 
     return answer

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -9,6 +10,7 @@ import pytest
 
 from oitbench.cli.run import command
 from oitbench.engines import record
+from oitbench.engines.known import GROUP
 from oitbench.engines.record import PEER, EngineRow
 from oitbench.engines.run import Job, run
 from oitbench.errors import UsageError
@@ -23,6 +25,7 @@ from tests.report.made_up import context, finished
 
 STACK, FOGGY = "layer_stack[count=3]", "layer_stack[transmission=colored]"
 ROUNDS = 6
+ENTRY = "abacus-1.0.dist-info/entry_points.txt"
 
 
 def job(folder: Path, engine: str, scenes: list[str]) -> Job:
@@ -88,6 +91,18 @@ def test_rows_of_other_places_are_kept(tmp_path: Path, abacus: str) -> None:
     (tmp_path / record.FOLDER / "old.exr").touch()
     record.write(tmp_path, rows)
     assert not (tmp_path / record.FOLDER / "old.exr").exists()
+
+
+def test_an_adapter_that_cannot_be_loaded_costs_only_its_rows(tmp_path: Path, abacus: str) -> None:
+    work = job(tmp_path, abacus, [STACK])
+    package = next(Path(folder) for folder in sys.path if (Path(folder) / ENTRY).is_file())
+    (package / ENTRY).write_text(
+        f"[{GROUP}]\nabacus = abacus_engine:Abacus\nlost = lost_engine:E\n"
+    )
+    rows = run(replace(work, engines=["lost", "abacus"], schedule=Schedule(0, 0.0)))
+    assert (rows[0].label, rows[0].status) == ("lost", "failed")
+    assert "No module named 'lost_engine'" in rows[0].reason
+    assert {row.algorithm: row.status for row in rows}["blend"] == "ok"
 
 
 def test_without_a_finished_cell_there_is_no_truth(tmp_path: Path, abacus: str) -> None:
