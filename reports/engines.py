@@ -19,7 +19,7 @@ order = 75
 _COLUMNS = (
     columns.SCENE,
     Column("engine", "Engine", kind="text"),
-    Column("peer", "Peer", kind="method", help="the method of the suite that comes nearest"),
+    Column("peer", "Peer", kind="text", help="the method of the suite that comes nearest"),
     Column("status", "Status", kind="status"),
     Column("flip", "FLIP", decimals=4, help="of the engine's picture against exact compositing"),
     Column("flip_peer", "FLIP of the peer", decimals=4, help="against exact compositing"),

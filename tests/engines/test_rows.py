@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from oitbench.cli.report import command as report
 from oitbench.cli.run import command
 from oitbench.engines import record
 from oitbench.engines.known import GROUP
@@ -30,7 +31,7 @@ ENTRY = "abacus-1.0.dist-info/entry_points.txt"
 
 def job(folder: Path, engine: str, scenes: list[str]) -> Job:
     """Run the cells of some scenes, and return the job that adds rows to them."""
-    matrix = plan_matrix(scenes, ["alpha_blend"], "guard", (12, 8), out=folder, ssaa=1)
+    matrix = plan_matrix(scenes, ["weighted_sum"], "guard", (12, 8), out=folder, ssaa=1)
     assert run_matrix(matrix).exit_code == 0
     keys = [cell.key for cell in matrix.cells]
     limits = matrix.timeout, matrix.memory_limit
@@ -114,12 +115,12 @@ def test_without_a_finished_cell_there_is_no_truth(tmp_path: Path, abacus: str) 
 
 
 def test_the_report_lists_rows_beside_their_peers(tmp_path: Path, abacus: str) -> None:
-    report = Collection.load().reports["engines"]
-    (note,) = report.build(context(tmp_path / "a", [finished(tmp_path, "s", "m", 0.1)], tmp_path))
+    section = Collection.load().reports["engines"]
+    (note,) = section.build(context(tmp_path / "a", [finished(tmp_path, "s", "m", 0.1)], tmp_path))
     assert isinstance(note, Note)
     work = job(tmp_path / "b", abacus, [STACK])
     run(work)
-    (table,) = report.build(context(work.folder, [], tmp_path))
+    (table,) = section.build(context(work.folder, [], tmp_path))
     assert isinstance(table, Table)
     rows = {
         row[1]: dict(zip([c.key for c in table.columns], row, strict=True)) for row in table.rows
@@ -127,6 +128,18 @@ def test_the_report_lists_rows_beside_their_peers(tmp_path: Path, abacus: str) -
     assert rows["abacus:blend"]["flip_between"] == pytest.approx(0, abs=0.01)
     assert rows["abacus:blend"]["renderer"] == "beads (another)"
     assert rows["abacus:refuse"]["ratio"] is None
+
+
+def test_the_page_names_peers_that_were_not_run(
+    tmp_path: Path, abacus: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    work = job(tmp_path, abacus, [STACK])
+    run(replace(work, schedule=Schedule(0, 0.0)))
+    with pytest.raises(SystemExit) as end:
+        report.main([str(tmp_path), "--section", "engines"], standalone_mode=False)
+    assert end.value.code == 0
+    assert "section left out" not in capsys.readouterr().err
+    assert "abacus:blend" in (tmp_path / "report" / "index.html").read_text(encoding="utf-8")
 
 
 def test_a_wrong_name_is_refused_before_anything_runs(tmp_path: Path, abacus: str) -> None:
