@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import shlex
 import sys
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -16,6 +17,8 @@ from oitbench.truths import TRUTHS
 from oitbench.views import MAIN
 
 if TYPE_CHECKING:
+    from oitbench.engines.record import EngineRow
+    from oitbench.matrix.plan import Matrix
     from oitbench.matrix.run import Summary
 
 _WIDE = 200
@@ -43,6 +46,14 @@ _WIDE = 200
     "methods",
     multiple=True,
     help="NAME[param=v,w], or the folder of a method. Repeatable. Default: all of the preset.",
+)
+@click.option(
+    "--engine",
+    "engines",
+    multiple=True,
+    metavar="NAME[,NAME]...",
+    help="Other engines that draw the scenes too, beside the methods that they compare with: vtk,"
+    " pygfx, or that of a package. Repeatable. Default: none.",
 )
 @options.size(None, "Pixels of the image. Default: the preset's.")
 @options.ssaa(None, "Default: 2; noise: 1 and 2.")
@@ -92,6 +103,7 @@ def command(
     preset: str,
     scenes: tuple[str, ...],
     methods: tuple[str, ...],
+    engines: tuple[str, ...],
     size: tuple[int, int] | None,
     ssaa: int | None,
     effects: tuple[str, ...],
@@ -118,11 +130,13 @@ def command(
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
 
+    from oitbench.engines import known
     from oitbench.matrix.cell import Cell
     from oitbench.matrix.plan import plan_matrix
     from oitbench.matrix.run import run_matrix
     from oitbench.results.schema import TROUBLED, Record
 
+    chosen = known.choose(engines)
     matrix = plan_matrix(
         scenes, methods, preset, size, effects, ssaa, out, collections, seed, force,
         timeout, workers, memory_gib, truths, shading, views or (MAIN,), metrics,
@@ -144,8 +158,32 @@ def command(
                 note(f"{record.status}: {cell.seen} {cell.method}: {record.reason}")
 
         summary = run_matrix(matrix, show, note)
+        rows = _run_engines(matrix, chosen, note)
     _print_end(out, summary)
-    sys.exit(summary.exit_code)
+    faults = [row for row in rows if row.status in TROUBLED]
+    sys.exit(1 if faults else summary.exit_code)
+
+
+def _run_engines(
+    matrix: Matrix, engines: Sequence[str], note: Callable[[str], None]
+) -> list[EngineRow]:
+    """Run the rows of other engines, and print those without a picture or a time."""
+    from oitbench.engines.run import Job, run
+
+    def show(row: EngineRow) -> None:
+        if row.reason:
+            note(f"{row.status}: {row.place.seen} {row.label}: {row.reason}")
+
+    if not engines:
+        return []
+    cells = [cell.key for cell in matrix.cells]
+    return run(
+        Job(
+            engines, cells, matrix.out, matrix.plugins, matrix.schedule,
+            matrix.timeout, matrix.memory_limit,
+        ),
+        show,
+    )  # fmt: skip
 
 
 def _print_end(out: Path, summary: Summary) -> None:

@@ -12,6 +12,7 @@ from oitbench.catalog.catalog import LOAD_SECONDS, Catalog, Choice
 from oitbench.effects import Effect
 from oitbench.errors import UsageError, unknown
 from oitbench.matrix.cell import Cell, choose_effects
+from oitbench.measure.rounds import Schedule
 from oitbench.method.ablation import EACH, REQUESTED
 from oitbench.parameters import Value
 from oitbench.places import PluginFiles
@@ -128,6 +129,11 @@ class Matrix:
     memory_limit: int = field(default_factory=lambda: memory.share(1))
     metrics: tuple[Path, ...] = ()
     config: str = ""
+
+    @property
+    def schedule(self) -> Schedule:
+        """The rounds of timing."""
+        return Schedule(self.preset.rounds, self.preset.budget, self.seed)
 
 
 def plan_matrix(

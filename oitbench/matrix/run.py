@@ -20,7 +20,6 @@ from oitbench.matrix.resume import Resume
 from oitbench.matrix.timed_cells import ScoredCell, Timing
 from oitbench.matrix.timed_scenes import due_scenes, time_scene
 from oitbench.matrix.worker import CellsTimed, Greeting, Hello, TimeCells
-from oitbench.measure.rounds import Schedule
 from oitbench.results.schema import TROUBLED, Record
 from oitbench.results.store import Store
 from oitbench.results.times import Processor
@@ -210,7 +209,7 @@ def _time_all(
     cpu: Processor | None,
 ) -> None:
     """Time the finished cells of each scene together, if one of them has no time yet."""
-    schedule = Schedule(matrix.preset.rounds, matrix.preset.budget, matrix.seed)
+    schedule = matrix.schedule
 
     def ask(cells: list[ScoredCell]) -> list[Timing]:
         limit = None if matrix.timeout is None else matrix.timeout * len(cells)

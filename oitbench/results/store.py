@@ -33,6 +33,7 @@ _OURS = frozenset(
         CONFIG,
         IMAGES,
         _LOCK,
+        "engines",
         "motion",
         "reference_check",
         "report",
