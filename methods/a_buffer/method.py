@@ -6,10 +6,11 @@ The only method here that is exact for any geometry, order and depth complexity.
 depth are ordered by their content, never by arrival, so the image is the same for every order of
 the draws: bit for bit with `sorted`, to float rounding with `iterative`.
 
-`counted` lists take two passes over the geometry: the first counts the fragments of each pixel, so
-that the second stores them in records that follow each other. That is the default, since a stored
-fragment takes fewer bytes, and less time where a pass over the geometry is cheap. `linked` lists
-take one pass and move less. `python -m tests.benchmarks.exact` compares both.
+`linked` lists, the default, take one pass over the geometry; each record holds the place of the
+next. `counted` lists take two: the first counts the fragments of each pixel, so that the second
+stores them in records that follow each other. A stored fragment then takes fewer bytes, and less
+time where layers are many and a pass over the geometry is cheap. `python -m tests.benchmarks.exact`
+compares both.
 
 `precise` records take 28 bytes: depth, and alpha L and tau as three floats each. `compact` records
 take 8 bytes: depth, and alpha L with net opacity in RGBA8 (AT section 4.2).
@@ -23,7 +24,7 @@ With `msaa` 4 each of four samples is resolved from the records whose coverage m
 mask takes the low four bits of the record's depth, which comparisons ignore (AT section 4.2):
 depths that differ by less than two millionths of themselves count as equal.
 
-Memory 12 B/pixel + 8 (or 28) B/fragment; `linked` 4 B/pixel + 12 (or 32) B/fragment. Records come
+Memory 4 B/pixel + 12 (or 32) B/fragment; `counted` 12 B/pixel + 8 (or 28) B/fragment. Records come
 from one counter per screen tile of 64 x 64 pixels. When a tile's share is used up, its counter
 still records the demand, and the frame is repeated with enough memory.
 
@@ -52,12 +53,12 @@ class ABuffer(oit.Method):
     )
     resolve = oit.Parameter("sorted", choices=("sorted", "iterative"), help="way of compositing")
     storage = oit.Parameter(
-        "counted",
-        choices=("counted", "linked"),
-        help="lists: `counted` takes two passes over the geometry, `linked` more bytes a fragment",
+        "linked",
+        choices=("linked", "counted"),
+        help="lists: `linked` takes one pass over the geometry, `counted` fewer bytes a fragment",
     )
     msaa = oit.Parameter(1, choices=(1, 4), help="samples per pixel")
-    truth = {"node": "precise", "resolve": "sorted", "storage": "counted", "msaa": 1}
+    truth = {"node": "precise", "resolve": "sorted", "storage": "linked", "msaa": 1}
 
     @property
     def promises(self) -> frozenset[str]:

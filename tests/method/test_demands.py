@@ -49,10 +49,10 @@ BY_HAND: dict[str, tuple[str, int | None, int, int, int]] = {
     "multilayer_alpha": ("interlock", 1, 2, 4 * 64, 2 * 4 * 64),
     "k_buffer[k=16,node=32f]": ("interlock", 1, 20, 16 * 160, 2 * 16 * 160),
     # Lists: head exchanged, record written, and read in each pass over pixels.
-    "a_buffer[node=compact,storage=linked]": ("atomics", 1, 1, 64, 64 + 2 * 96),
-    "a_buffer[node=compact,storage=linked,msaa=4]": ("atomics", 1, 1, 4 * 64, 64 + 3 * 96),
+    "a_buffer[node=compact]": ("atomics", 1, 1, 64, 64 + 2 * 96),
+    "a_buffer[node=compact,msaa=4]": ("atomics", 1, 1, 4 * 64, 64 + 3 * 96),
     # Counted twice; first record and count are read; records have no link.
-    "a_buffer[node=compact]": ("atomics", 2, 1, 64, 2 * 64 + 64 + 2 * 64),
+    "a_buffer[node=compact,storage=counted]": ("atomics", 2, 1, 64, 2 * 64 + 64 + 2 * 64),
     "adaptive": ("atomics", 1, 1, 64, 64 + 3 * 96),
     "adaptive[memory=fixed]": ("interlock", 2, 4, 512, 3 * 512 + 256),
     # A pass for each layer: depth 32, and RGBA16F of color and of transmittance.

@@ -199,7 +199,7 @@ def bytes_of_lists(device: Device, name: str) -> tuple[float, float]:
 
 
 @pytest.mark.parametrize(
-    "name", ["a_buffer[node=compact,storage=linked]", "adaptive", "opacity_map", "fourier_map"]
+    "name", ["a_buffer[node=compact]", "adaptive", "opacity_map", "fourier_map"]
 )
 @pytest.mark.parametrize(
     ("millions", "published", "heads"),

@@ -103,9 +103,9 @@ def test_both_kinds_of_lists_and_counters_give_one_picture(
     device: Device, node: str, layers: int, ties: str
 ) -> None:
     scene, _ = lists_scene(f"width=16,height=16,tinted=true,layers={layers},ties={ties}")
-    expected = render(device, scene, f"a_buffer[node={node},storage=linked]")
+    expected = render(device, scene, f"a_buffer[node={node}]")
     for mechanism in (FETCH, ATOMICS):
-        found = render(device, scene, f"a_buffer[node={node}]", mechanism=mechanism)
+        found = render(device, scene, f"a_buffer[node={node},storage=counted]", mechanism=mechanism)
         np.testing.assert_array_equal(found, expected)
 
 
@@ -115,7 +115,8 @@ def test_fragments_beyond_the_counted_ones_do_not_reach_the_next_list(
     (tmp_path / "few.glsl").write_text(
         "void gather(Fragment fragment) { if (fragment.z < 2.5) { count_stored(); } }"
     )
-    base = type(method("a_buffer"))
+    chosen = method("a_buffer[storage=counted]")
+    base = type(chosen)
 
     class Few(base):  # type: ignore[misc, valid-type]
         folders = (tmp_path, *base.folders)
@@ -129,7 +130,7 @@ def test_fragments_beyond_the_counted_ones_do_not_reach_the_next_list(
     colors = np.random.default_rng(1).random((4, 4, 3), dtype=np.float32)
     lists = stack([Layer(2.0, 0.5, RED), Layer(3.0, 0.5, RED)], side=4)
     lists = replace(lists, radiance=np.stack([colors, colors]))
-    found = render(device, scene_of(lists, BLUE), Few())
+    found = render(device, scene_of(lists, BLUE), Few(**chosen.values))
     np.testing.assert_allclose(found, 0.5 * colors + 0.5 * np.array(BLUE), atol=1e-6)
 
 

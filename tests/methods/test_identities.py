@@ -22,7 +22,7 @@ FURTHER = (
     "wavelet[memory=variable,node=precise,channels=rgb]",
     "a_buffer[resolve=iterative]",
     "a_buffer[node=compact,resolve=iterative]",
-    "a_buffer[storage=linked]",
+    "a_buffer[storage=counted]",
     "hashed_alpha[scale=4]",
     "sorted_two_pass[sort=triangle]",
     "stochastic[correction=none]",
@@ -95,7 +95,7 @@ Keys are labels of variants. The name of a method applies to its variants withou
 variant must break all identities that it neither promises nor has here.
 """
 
-BIT_FOR_BIT = ("a_buffer", "a_buffer[node=compact]", "a_buffer[storage=linked]")
+BIT_FOR_BIT = ("a_buffer", "a_buffer[node=compact]", "a_buffer[storage=counted]")
 """Variants whose pictures are bit for bit the same for every order of the draws."""
 
 

@@ -31,7 +31,7 @@ SHADING = (
 FURTHER = (
     "moments[count=6,storage=unorm16]",
     "moments[count=8,storage=unorm16]",
-    "a_buffer[storage=linked,msaa=4]",
+    "a_buffer[storage=counted,msaa=4]",
 )
 """Methods of three values that reach branches which no pair of values reaches."""
 _GRAY = "-colored_shadows"
