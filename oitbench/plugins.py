@@ -45,6 +45,8 @@ class ScenePlugin:
         From a name and the values of all parameters to a `Scene`.
     quick : bool
         Whether the quick preset includes the scene.
+    subject : str
+        The thing that it shows, such as "smoke"; "" if its file does not say.
     """
 
     name: str
@@ -52,6 +54,7 @@ class ScenePlugin:
     parameters: Mapping[str, AnyParameter]
     build: Callable[..., Scene]
     quick: bool = True
+    subject: str = ""
 
 
 class Plugins(Mapping[str, Plugin]):
@@ -309,8 +312,15 @@ def _load_scene(path: Path) -> ScenePlugin:
         build = partial(_build_seen_from, build)
     return ScenePlugin(
         _checked_name(path, path.stem), module.__doc__ or "", parameters, build,
-        getattr(module, "quick", True),
+        getattr(module, "quick", True), _subject(path, getattr(module, "subject", "")),
     )  # fmt: skip
+
+
+def _subject(path: Path, subject: object) -> str:
+    """Return the subject of a scene, checked."""
+    if not isinstance(subject, str) or len(subject.splitlines()) > 1:
+        raise DeclarationError(f"{path}: subject is {subject!r}; give a few words, as 'smoke'")
+    return subject
 
 
 def _near_plane(path: Path, near: object) -> Parameter[float]:

@@ -31,6 +31,6 @@ def _section(context: ReportContext, folder: Path) -> list[Artifact]:
     out = context.out / "motion" / file_name(folder.name)
     out.mkdir(parents=True, exist_ok=True)
     try:
-        return list(write(Footage.load(folder), out, context.results.facts.methods))
+        return list(write(Footage.load(folder), out))
     except UsageError as error:
         return [Note(str(error))]

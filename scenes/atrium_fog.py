@@ -48,6 +48,7 @@ from oitbench.scene import (
     Vector,
 )
 
+subject = "fog"
 quick = False
 near = 0.1
 parameters = {

@@ -43,6 +43,7 @@ from oitbench.scene import (
     Vector,
 )
 
+subject = "glass"
 near = 0.7
 parameters = {
     "detail": DETAIL,

@@ -39,6 +39,7 @@ from oitbench.scene import (
     unit,
 )
 
+subject = "glass"
 quick = False
 near = 4.2
 parameters = {

@@ -88,6 +88,7 @@ LINEN = Material(albedo=(0.72, 0.60, 0.42), specular=0.0)
 # Paints of the spines of books.
 BOOKS: tuple[RGB, ...] = ((0.42, 0.08, 0.06), (0.08, 0.16, 0.32), (0.46, 0.34, 0.12))
 
+subject = "glass"
 quick = False
 near = 0.27
 parameters = {

@@ -30,6 +30,7 @@ from oitbench.modeling.surroundings import gradient_sky
 from oitbench.parameters import Parameter
 from oitbench.scene import RGB, Camera, DirectionalLight, Object, Scene, Sprites, Vector, opposite
 
+subject = "smoke"
 quick = False
 near = 240.0
 parameters = {

@@ -85,6 +85,7 @@ from oitbench.scene import (
 )
 from oitbench.scene.paths import between
 
+subject = "fog"
 quick = False
 near = 0.1
 parameters = {

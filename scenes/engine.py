@@ -56,6 +56,7 @@ from oitbench.scene import (
     Vector,
 )
 
+subject = "CAD models"
 quick = False
 near = 0.85
 parameters = {"detail": DETAIL}

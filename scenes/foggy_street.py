@@ -59,6 +59,7 @@ from oitbench.scene import (
     sample_density,
 )
 
+subject = "fog"
 quick = False
 near = 0.1
 parameters = {

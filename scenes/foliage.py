@@ -72,6 +72,7 @@ from oitbench.scene import (
     opposite,
 )
 
+subject = "foliage"
 near = 3.0
 parameters = {
     "detail": DETAIL,

@@ -37,6 +37,7 @@ from oitbench.modeling.voxels import density
 from oitbench.parameters import Parameter
 from oitbench.scene import RGB, WHITE, Camera, Floats, Material, Mesh, Object, Scene, unit
 
+subject = "foliage"
 quick = False
 near = 2.2
 parameters = {

@@ -49,6 +49,7 @@ BEHIND = 2
 """Layers behind a tuft."""
 BRIGHTEST_HDR = 100.0
 
+subject = "layers"
 parameters = {
     "detail": Parameter(1.0, low=0.0, high=100.0, help="factor on the number of lists"),
     "width": Parameter(256, low=1, high=8192, help="lists per row at detail 1"),

@@ -41,6 +41,7 @@ from oitbench.scene import (
     Vector,
 )
 
+subject = "frosted glass"
 quick = False
 near = 2.2
 parameters = {

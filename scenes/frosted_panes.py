@@ -55,6 +55,7 @@ PALE_PAPER = Material(albedo=(0.66, 0.68, 0.70), specular=0.0)
 BLUE_PAPER = Material(albedo=(0.30, 0.43, 0.52), specular=0.0)
 STEEL = Material(albedo=(0.10, 0.10, 0.11), specular=0.3, roughness=0.5)
 
+subject = "frosted glass"
 near = 1.55
 parameters = {
     "detail": DETAIL,

@@ -42,6 +42,7 @@ GLASS: dict[str, RGB] = {
 PITCH, WIDTH, LENGTH = 0.36, 0.24, 2.8  # of the bars, meters
 FRONT, BACK, PAPER = 0.35, -0.35, -1.1  # z of both grids and of the paper, meters
 
+subject = "glass"
 near = 3.8
 parameters = {
     "detail": DETAIL,

@@ -55,6 +55,7 @@ from oitbench.scene import (
     as_vector,
 )
 
+subject = "smoke"
 quick = False
 near = 3.0
 parameters = {

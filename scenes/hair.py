@@ -50,6 +50,7 @@ from oitbench.scene import (
     unit,
 )
 
+subject = "hair"
 quick = False
 near = 1.2
 parameters = {

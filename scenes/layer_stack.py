@@ -64,6 +64,7 @@ PALETTES: dict[str, tuple[RGB, ...]] = {
 }
 WIDEST_ASPECT = 4.0
 
+subject = "layers"
 parameters = {
     "detail": DETAIL,
     "count": Parameter(6, low=1, high=4096, help="number of planes"),

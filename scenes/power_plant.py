@@ -46,6 +46,7 @@ from oitbench.modeling.voxels import Voxels, density
 from oitbench.parameters import Parameter
 from oitbench.scene import RGB, WHITE, Camera, Floats, Material, Mesh, Object, Scene, Texture, unit
 
+subject = "CAD models"
 quick = False
 near = 26.0
 parameters = {

@@ -46,6 +46,7 @@ from oitbench.scene import (
     opposite,
 )
 
+subject = "smoke and glass"
 quick = False
 near = 4.3
 parameters = {

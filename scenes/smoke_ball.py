@@ -75,6 +75,7 @@ VIEWS = {
         camera=Camera((1.6, 3.9, 5.6), (0.0, 1.2, 0.0), fov_y=math.radians(34)),
     ),
 }
+subject = "smoke"
 quick = False
 near = 4.0
 parameters = {

@@ -63,6 +63,7 @@ from oitbench.scene import (
     opposite,
 )
 
+subject = "smoke"
 quick = False
 near = 2.6
 parameters = {

@@ -56,6 +56,7 @@ DRINKS: dict[str, RGB] = {
 PALE_CLOTH = Material(albedo=(0.74, 0.72, 0.68), specular=0.0)
 BLUE_CLOTH = Material(albedo=(0.22, 0.32, 0.46), specular=0.0)
 
+subject = "glass"
 quick = False
 near = 0.36
 parameters = {

@@ -63,6 +63,7 @@ from oitbench.scene import (
     Vector,
 )
 
+subject = "smoke and glass"
 quick = False
 near = 0.38
 parameters = {

@@ -45,6 +45,7 @@ from oitbench.method.kits.linked_lists import RECORD_STEPS, linked
 
 
 class ABuffer(oit.Method):
+    family = "exact"
     node = oit.Parameter(
         "precise",
         choices=("precise", "compact"),

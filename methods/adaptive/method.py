@@ -41,6 +41,7 @@ _MOST_FLOAT_NODES = 16
 
 
 class Adaptive(CurveMethod):
+    family = "lists"
     nodes = oit.Parameter(8, low=2, high=32, grid=(4, 8, 16), help="N, steps of a curve")
     removal = oit.Parameter(
         "under",

@@ -16,6 +16,7 @@ import oitbench as oit
 
 
 class AlphaBlend(oit.Method):
+    family = "blending"
     expresses = oit.Effect.COVERAGE
     precision = oit.Parameter("half", choices=("half", "float"), help="number format of the color")
     msaa = oit.MSAA

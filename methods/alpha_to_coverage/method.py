@@ -27,6 +27,7 @@ import oitbench as oit
 
 
 class AlphaToCoverage(oit.Method):
+    family = "random"
     quick = False
     expresses = oit.Effect.COVERAGE
     msaa = oit.Parameter(4, choices=(4, 8), help="S, samples per pixel")

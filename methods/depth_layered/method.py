@@ -36,6 +36,7 @@ _BLOCKS = ("near", "far")
 
 
 class DepthLayered(oit.Method):
+    family = "blending"
     quick = False
     expresses = oit.Effect.COVERAGE
     layers = oit.Parameter(4, choices=(1, 2, 4, 8), grid=(4, 8), help="K, number of slabs")

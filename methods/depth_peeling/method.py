@@ -24,6 +24,7 @@ _BLOCK = 16
 
 
 class DepthPeeling(oit.Method):
+    family = "exact"
     quick = False
     expresses = oit.Effect.COVERAGE | oit.Effect.COLORED_TRANSMISSION
     layers = oit.Parameter(0, low=0, help="largest number of layers to peel, 0 for all")

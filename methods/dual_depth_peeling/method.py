@@ -37,6 +37,7 @@ _BLOCK = 16
 
 
 class DualDepthPeeling(oit.Method):
+    family = "exact"
     quick = False
     expresses = oit.Effect.COVERAGE | oit.Effect.COLORED_TRANSMISSION
     layers = oit.Parameter(0, low=0, help="largest number of layers to peel, 0 for all")

@@ -34,6 +34,7 @@ from oitbench.method.kits.absorbance import AbsorbanceMap
 
 
 class FourierMap(AbsorbanceMap):
+    family = "curves"
     quick = False
     coefficients = oit.Parameter(15, choices=(7, 15, 31), help="2 n + 1, terms of the series")
     lanczos = oit.Parameter(False, help="damp high harmonics")

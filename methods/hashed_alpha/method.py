@@ -31,6 +31,7 @@ import oitbench as oit
 
 
 class HashedAlpha(oit.Method):
+    family = "random"
     quick = False
     noisy = True
     expresses = oit.Effect.COVERAGE

@@ -30,6 +30,7 @@ from oitbench.method.kits.bounded_nodes import BoundedNodes, node_targets
 
 
 class Hybrid(BoundedNodes):
+    family = "lists"
     quick = False
     k = oit.Parameter(4, choices=(1, 2, 4, 8), grid=(4, 8), help="nodes per pixel")
     node = oit.Parameter(

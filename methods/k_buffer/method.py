@@ -24,6 +24,7 @@ from oitbench.method.kits.bounded_nodes import NODES, BoundedNodes
 
 
 class KBuffer(BoundedNodes):
+    family = "lists"
     quick = False
     k = oit.Parameter(8, choices=(1, 2, 4, 8, 16), grid=(4, 8, 16), help="nodes per pixel")
     node = oit.Parameter(

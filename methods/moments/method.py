@@ -42,6 +42,7 @@ from oitbench.method.kits.absorbance import BOUNDS, FIND_BOUNDS
 
 
 class Moments(oit.Method):
+    family = "curves"
     quick = False
     expresses = oit.Effect.COVERAGE
     basis = oit.Parameter(

@@ -33,6 +33,7 @@ _FAR = (3e38, 3e38)
 
 
 class MultilayerAlphaBuckets(BoundedNodes):
+    family = "lists"
     quick = False
     k = oit.Parameter(4, choices=(2, 4, 8, 16), grid=(4, 8), help="nodes per pixel, with node 0")
     node = oit.Parameter(

@@ -32,6 +32,7 @@ from oitbench.method.kits.absorbance import AbsorbanceMap
 
 
 class OpacityMap(AbsorbanceMap):
+    family = "curves"
     quick = False
     slices = oit.Parameter(16, choices=(4, 8, 16, 32), help="K, steps of a curve")
 

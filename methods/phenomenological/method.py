@@ -95,6 +95,7 @@ DEPTH = ("opaque_depth",)
 
 
 class Phenomenological(oit.Method):
+    family = "blending"
     expresses = (
         oit.Effect.COVERAGE
         | oit.Effect.COLORED_TRANSMISSION

@@ -18,6 +18,7 @@ import oitbench as oit
 
 
 class SortedOver(oit.Method):
+    family = "sorting"
     expresses = oit.Effect.COVERAGE | oit.Effect.COLORED_TRANSMISSION
     sort = oit.Parameter(
         "triangle",

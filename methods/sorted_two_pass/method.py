@@ -17,6 +17,7 @@ import oitbench as oit
 
 
 class SortedTwoPass(oit.Method):
+    family = "sorting"
     quick = False
     expresses = oit.Effect.COVERAGE | oit.Effect.COLORED_TRANSMISSION
     sort = oit.Parameter(

@@ -47,6 +47,7 @@ _AT_ONCE = 32
 
 
 class Stochastic(oit.Method):
+    family = "random"
     noisy = True
     quick = False
     expresses = oit.Effect.COVERAGE

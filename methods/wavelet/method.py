@@ -32,6 +32,7 @@ from oitbench.method.kits.absorbance import AbsorbanceMap
 
 
 class Wavelet(AbsorbanceMap):
+    family = "curves"
     quick = False
     rank = oit.Parameter(3, choices=(1, 2, 3), grid=(1, 2, 3), help="highest level of wavelets")
     precision = oit.Parameter("float", choices=("half", "float"), help="of coefficients in targets")

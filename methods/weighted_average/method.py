@@ -24,6 +24,7 @@ import oitbench as oit
 
 
 class WeightedAverage(oit.Method):
+    family = "blending"
     quick = False
     expresses = oit.Effect.COVERAGE
     count = oit.Parameter("r16f", choices=("r16f", "r32f"), help="format of n")

@@ -36,6 +36,7 @@ _WEIGHTS = ("7", "8", "9", "10", "fitted")
 
 
 class WeightedBlended(oit.Method):
+    family = "blending"
     expresses = oit.Effect.COVERAGE
     weight = oit.Parameter("10", choices=_WEIGHTS, grid=_WEIGHTS, help="equation of w, or fitted")
     precision = oit.Parameter("paper", choices=("paper", "half", "float"), help="of all targets")

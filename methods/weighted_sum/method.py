@@ -17,6 +17,7 @@ import oitbench as oit
 
 
 class WeightedSum(oit.Method):
+    family = "blending"
     quick = False
     expresses = oit.Effect.COVERAGE
     clamp = oit.Parameter(False, grid=(False, True), help="no negative weight of the background")

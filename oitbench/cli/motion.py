@@ -80,7 +80,6 @@ def command(
     A method pops if its picture jumps however small the step of the camera is, and flickers if it
     changes more than the exact one, or with the random numbers alone.
     """
-    from oitbench.catalog.catalog import Catalog
     from oitbench.motion.run import film
     from oitbench.report import clips, motion
     from oitbench.report.artifacts import writing_to
@@ -101,11 +100,9 @@ def command(
         memory_gib=memory_gib,
         on_track=lambda label: click.echo(f"filming {label}", err=True),
     )
-    with Catalog(collections) as catalog:
-        known = catalog.names("method")
     footage = motion.Footage(out, found)
     with writing_to(out):
-        strip, plot, table = motion.write(footage, out, known)
+        strip, plot, table = motion.write(footage, out)
         written = [] if clip == "none" else clips.write(footage, out / "clips", clip)
     headings = [column.title for column in table.columns]
     click.echo(f"| {' | '.join(headings)} |\n|{' --- |' * len(headings)}")

@@ -28,6 +28,7 @@ from oitbench.matrix.timed_cells import ScoredCell, Timing, time_cells
 from oitbench.measure import accounting
 from oitbench.measure.rounds import Schedule
 from oitbench.method.declaration import Method
+from oitbench.parameters import parse
 from oitbench.plugins import Collection
 from oitbench.results.schema import (
     COMPLEXITY,
@@ -216,6 +217,8 @@ class Bench:
             exposure=scene.exposure,
             demands=plan.demands,
             plan=plan.digest,
+            family=method.family,
+            subject=self.collection.scenes[parse(cell.scene).name].subject,
         )
         return outcome, reason
 

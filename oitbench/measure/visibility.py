@@ -52,6 +52,8 @@ class Curves:
         Standard error of each value; zero for methods that are not random.
     names : dict of str to str
         From a label to the method's bare name.
+    families : dict of str to str
+        From a bare name to its family; see `oitbench.method.families`.
     reasons : dict of str to str
         Why a method has no curve.
     """
@@ -64,6 +66,7 @@ class Curves:
     methods: dict[str, Floats]
     noise: dict[str, Floats]
     names: dict[str, str]
+    families: dict[str, str]
     reasons: dict[str, str]
 
 
@@ -212,6 +215,7 @@ def measure(
         curves,
         noise,
         {method.label: method.name for method in chosen},
+        {method.name: method.family for method in chosen},
         reasons,
     )
 

@@ -14,6 +14,7 @@ from typing import ClassVar
 
 from oitbench.effects import SHADING, Effect
 from oitbench.errors import DeclarationError, locate, unknown
+from oitbench.method.families import FAMILIES, OTHER
 from oitbench.method.passes import Gather, Interleaved, Loop, Resolve, Step
 from oitbench.method.promises import ALWAYS
 from oitbench.method.steps import nameable
@@ -68,8 +69,8 @@ class Plan:
 
 
 _MEMBERS = (
-    "expresses", "frame_count", "loop_steps", "may_be_negative", "no_msaa", "noisy", "plan",
-    "promises", "quick", "record_step", "requires", "sample_count", "truth", "views",
+    "expresses", "family", "frame_count", "loop_steps", "may_be_negative", "no_msaa", "noisy",
+    "plan", "promises", "quick", "record_step", "requires", "sample_count", "truth", "views",
 )  # fmt: skip
 """Members of a method that its class can override."""
 
@@ -107,6 +108,8 @@ class Method:
     """Parameters under which the suite's own exact method is the truth; None for all others."""
     noisy: ClassVar[bool] = False
     """Whether the image is a random estimate that is exact in the mean over many pixels."""
+    family: ClassVar[str] = OTHER
+    """One of `FAMILIES`; reports give each family its color and marker."""
     quick: ClassVar[bool] = True
     """Whether the quick preset includes the method."""
     no_msaa: ClassVar[str] = ""
@@ -123,6 +126,8 @@ class Method:
             if near and not key.startswith("_"):
                 raise DeclarationError(f"unknown member {key}; did you mean {near[0]}?")
         cls.parameters = {**own, **{k: v for k, v in cls.parameters.items() if k not in own}}
+        if cls.family not in FAMILIES:
+            raise DeclarationError(f"family is {cls.family!r}; choose from {', '.join(FAMILIES)}")
         if cls.no_msaa and "msaa" in cls.parameters:
             raise DeclarationError("there is a parameter msaa; delete no_msaa")
 

@@ -211,6 +211,7 @@ def film(
         [float(jump.max()) for jump in jumps],
         pops,
         rest,
+        method.family,
     )
 
 

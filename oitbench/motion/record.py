@@ -11,6 +11,7 @@ from msgspec import Meta, Struct
 
 from oitbench.atomic import replacing, writing
 from oitbench.image.stored import StoredImage
+from oitbench.method.families import OTHER
 from oitbench.motion import metrics
 from oitbench.results.documents import read_document
 from oitbench.results.schema import Renderer
@@ -71,7 +72,7 @@ class Pop(_Typed, frozen=True):
 
 
 class Track(_Typed, frozen=True):
-    """One method along the path.
+    """One method of a `family` (see `oitbench.method.families`) along the path.
 
     `seeds` says whether random numbers are the same in all frames or others in each; empty for a
     method that has no seed. `flip` has a value for each frame. `flicker`, `worst`, `largest` and
@@ -91,6 +92,7 @@ class Track(_Typed, frozen=True):
     jumps: list[float]
     pops: list[Pop] = []
     rest: float | None = None
+    family: str = OTHER
 
     @property
     def label(self) -> str:

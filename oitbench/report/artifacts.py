@@ -134,7 +134,61 @@ class Note:
     text: str
 
 
-Artifact = Figure | Table | ImageGrid | Note
+@dataclass(frozen=True)
+class Statement:
+    """Sentences that answer the question of a section."""
+
+    sentences: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Chosen:
+    """A method that a criterion chooses; its numbers; and others that are as good."""
+
+    method: str
+    numbers: str
+    equal: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Choices:
+    """A table of methods that criteria choose for subjects.
+
+    `rows` have a subject, the titles of its scenes, and a choice or None for each criterion. Each
+    criterion has words and a tooltip.
+    """
+
+    title: str
+    caption: str
+    csv: Path
+    criteria: tuple[tuple[str, str], ...]
+    rows: tuple[tuple[str, tuple[str, ...], tuple[Chosen | None, ...]], ...]
+
+
+@dataclass(frozen=True)
+class Shade:
+    """A cell of a heat table: its text, its color as "#rrggbb", and whether it ties for the best.
+
+    An empty color is that of the page.
+    """
+
+    text: str
+    color: str = ""
+    best: bool = False
+
+
+@dataclass(frozen=True)
+class HeatTable:
+    """Numbers of rows by columns, shaded by value; a row has a name and a remark."""
+
+    title: str
+    caption: str
+    csv: Path
+    columns: tuple[str, ...]
+    rows: tuple[tuple[str, str, tuple[Shade, ...]], ...]
+
+
+Artifact = Figure | Table | ImageGrid | Note | Statement | Choices | HeatTable
 
 
 def decimal(value: float, digits: int = 3) -> str:

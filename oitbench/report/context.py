@@ -45,12 +45,17 @@ class ReportContext:
     def style(self, label: str) -> Style:
         """Return the look of a method, the same in every picture.
 
-        The color follows from the method's place among all methods that the run knew. Methods that
-        differ only in parameters share a color.
+        Color and marker are those of the method's family.
         """
         return self._styles[label]
 
     @cached_property
     def _styles(self) -> Mapping[str, Style]:
         names = {record.method: record.name for record in self.results.records}
-        return palette.styles(names, self.results.facts.methods)
+        return palette.styles(names, self.families)
+
+    @cached_property
+    def families(self) -> Mapping[str, str]:
+        """The family of each method that has a result, by its bare name."""
+        records = self.results.records
+        return {record.name: record.outcome.family for record in records if record.outcome}

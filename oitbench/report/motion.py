@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -99,7 +99,7 @@ class Footage:
         return spread
 
 
-def write(footage: Footage, out: Path, known: Iterable[str] = ()) -> tuple[Figure, Figure, Table]:
+def write(footage: Footage, out: Path) -> tuple[Figure, Figure, Table]:
     """Write the strip, the plot and the table of a folder.
 
     Parameters
@@ -107,11 +107,12 @@ def write(footage: Footage, out: Path, known: Iterable[str] = ()) -> tuple[Figur
     footage : Footage
     out : Path
         Existing folder.
-    known : iterable of str
-        Bare names of all methods that exist, from which colors follow.
     """
     found = footage.found
-    looks = palette.styles({track.method: track.name for track in found.tracks}, known)
+    looks = palette.styles(
+        {track.method: track.name for track in found.tracks},
+        {track.name: track.family for track in found.tracks},
+    )
     return (
         _strip(footage, out / STRIP),
         _plot(found, looks, out / PLOT),

@@ -1,25 +1,36 @@
-"""Colors, markers and lines of methods: the same in every picture of a report."""
+"""Colors, markers and lines of methods and their families: the same in all pictures."""
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
+from oitbench.method.families import BLENDING, CURVES, EXACT, LISTS, OTHER, RANDOM, SORTING
 from oitbench.parameters import natural
 
 # Okabe & Ito (2008) without black, and without yellow, which is illegible on white paper.
 _HUES = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
 # The same hues mixed with black, then with white. Color-blind readers distinguish the lightness.
 _MIXTURES = (("#000000", 0.0), ("#000000", 0.45), ("#FFFFFF", 0.5), ("#000000", 0.7))
+# Color and marker of each family of methods.
+_LOOKS: Mapping[str, tuple[str, str]] = {
+    BLENDING: ("#0072B2", "o"),
+    SORTING: ("#E69F00", "s"),
+    EXACT: ("#3a3a3a", "*"),
+    LISTS: ("#009E73", "^"),
+    CURVES: ("#D55E00", "D"),
+    RANDOM: ("#CC79A7", "X"),
+    OTHER: ("#56B4E9", "P"),
+}
 _LEGIBLE_LUMA = 105
 _WHITE_TEXT_BELOW = 140
-_MARKERS = ("o", "s", "^", "D", "v", "P", "X", "<", ">", "h")
 _LINES = ("-", "--", ":", "-.")
 
 
 @dataclass(frozen=True)
 class Style:
-    """The look of a method: color from its name, marker and line style from its parameters."""
+    """The look of a method: color and marker of its family, and a line style within it."""
 
     color: str
     marker: str
@@ -49,27 +60,28 @@ def colors(names: Iterable[str]) -> dict[str, str]:
     return {name: _color(place) for place, name in enumerate(sorted(set(names)))}
 
 
-def styles(methods: Mapping[str, str], known: Iterable[str] = ()) -> dict[str, Style]:
+def family_look(family: str) -> tuple[str, str]:
+    """Return the color and the marker of a family."""
+    return _LOOKS.get(family, _LOOKS[OTHER])
+
+
+def styles(methods: Mapping[str, str], families: Mapping[str, str]) -> dict[str, Style]:
     """Return a style for every method.
 
     Parameters
     ----------
     methods : mapping of str to str
         From a method's label to its bare name.
-    known : iterable of str
-        Bare names of all methods that exist. A color follows from the place of a name among them,
-        so it does not depend on which methods a report shows.
+    families : mapping of str to str
+        From a bare name to its family; see `oitbench.method.families`. Methods of a family share
+        color and marker, and differ in line style.
     """
-    color_of = colors([*methods.values(), *known])
     found: dict[str, Style] = {}
-    seen = dict.fromkeys(color_of, 0)
+    seen: Counter[str] = Counter()
     for label in sorted(methods, key=natural):
-        name = methods[label]
-        place = seen[name]
-        seen[name] += 1
-        found[label] = Style(
-            color_of[name], _MARKERS[place % len(_MARKERS)], _LINES[place % len(_LINES)]
-        )
+        family = families.get(methods[label], OTHER)
+        found[label] = Style(*family_look(family), _LINES[seen[family] % len(_LINES)])
+        seen[family] += 1
     return found
 
 

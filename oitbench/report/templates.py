@@ -8,8 +8,17 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 from urllib.parse import quote
 
-from oitbench.report.artifacts import Figure, ImageGrid, Note, Table
+from oitbench.report.artifacts import (
+    Choices,
+    Figure,
+    HeatTable,
+    ImageGrid,
+    Note,
+    Statement,
+    Table,
+)
 from oitbench.report.context import ReportContext
+from oitbench.report.palette import is_dark
 
 if TYPE_CHECKING:
     from jinja2 import Environment
@@ -27,10 +36,14 @@ def environment(context: ReportContext) -> Environment:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    kinds = {Figure: "figure", Table: "table", ImageGrid: "grid", Note: "note"}
+    kinds: dict[type, str] = {
+        Figure: "figure", Table: "table", ImageGrid: "grid", Note: "note",
+        Statement: "statement", Choices: "choices", HeatTable: "heat",
+    }  # fmt: skip
     made.filters["kind"] = lambda artifact: kinds[type(artifact)]
     made.filters["link"] = lambda path: quote(
         os.fsencode(Path(os.path.relpath(path, context.out)).as_posix())
     )
     made.globals["style"] = context.style
+    made.globals["is_dark"] = is_dark
     return made

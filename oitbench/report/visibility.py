@@ -36,15 +36,13 @@ _HEADING = (
 )
 
 
-def write(curves: Curves, folder: Path, known: Iterable[str] = ()) -> Figure:
+def write(curves: Curves, folder: Path) -> Figure:
     """Write `visibility.csv`, `.json`, `.png` and `.pdf` into `folder`.
 
     Parameters
     ----------
     curves : Curves
     folder : Path
-    known : iterable of str
-        Bare names of all methods that exist; colors follow from the place of a name among them.
 
     Raises
     ------
@@ -55,7 +53,7 @@ def write(curves: Curves, folder: Path, known: Iterable[str] = ()) -> Figure:
         write_csv(folder / f"{NAME}.csv", _HEADING, _rows(curves))
         text = json.dumps(_facts(curves), indent=1, allow_nan=False)
         (folder / f"{NAME}.json").write_text(text + "\n", encoding="utf-8")
-        return _draw(curves, folder, known)
+        return _draw(curves, folder)
 
 
 def _all(curves: Curves) -> dict[str, Floats]:
@@ -102,7 +100,7 @@ def _finite(values: Floats) -> list[list[float | None]]:
     return [[value if math.isfinite(value) else None for value in row] for row in values.tolist()]
 
 
-def _draw(curves: Curves, folder: Path, known: Iterable[str]) -> Figure:
+def _draw(curves: Curves, folder: Path) -> Figure:
     panels: dict[str, list[str]] = {}
     for label in curves.methods:
         panels.setdefault(curves.names[label], []).append(label)
@@ -110,7 +108,7 @@ def _draw(curves: Curves, folder: Path, known: Iterable[str]) -> Figure:
     rows = max(1, math.ceil(len(panels) / columns))
     with canvas(max(4.0, _PANEL[0] * columns), _PANEL[1] * rows + 0.6) as figure:
         grid = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False).ravel()
-        styles = palette.styles(curves.names, known)
+        styles = palette.styles(curves.names, curves.families)
         for axes, (name, labels) in zip(grid, panels.items(), strict=False):
             _draw_panel(axes, curves, labels, styles)
             axes.set_title(name, fontsize=8, color=palette.ink(styles[labels[0]].color))

@@ -1,14 +1,11 @@
 """The record of a cell and the facts of a run: every field, its type and its unit.
 
-`record.schema.json` beside this file is the JSON Schema of both; write it anew with
-
-    python -m oitbench.results.schema
+`json_schema.py` writes both as a JSON Schema.
 """
 
 from __future__ import annotations
 
-from pathlib import Path
-from typing import Annotated, Any, Final, Literal, Protocol
+from typing import Annotated, Final, Literal, Protocol
 
 import msgspec
 from msgspec import Meta, Struct
@@ -17,8 +14,8 @@ from oitbench.effects import effects_of
 from oitbench.image.stored import StoredImage
 from oitbench.image.ties import Errors
 from oitbench.method.demands import Demands
+from oitbench.method.families import OTHER
 from oitbench.parameters import Value
-from oitbench.results.checksum import CHECKSUM
 from oitbench.results.custom import CustomMetric
 from oitbench.results.statistics import Count, SceneStatistics
 from oitbench.results.times import Processor, Time
@@ -27,7 +24,6 @@ from oitbench.views import MAIN, seen
 
 VERSION: Final = 6
 """Version of the schema; a change of any field raises it."""
-SCHEMA_FILE = Path(__file__).with_name("record.schema.json")
 
 Size = tuple[int, int]
 Status = Literal["ok", "unstable", "suspect", "failed", "skipped", "timeout"]
@@ -166,7 +162,9 @@ class Outcome(_Typed, frozen=True):
     which `statistics` sums up, and `transmittance` that of all layers of a pixel under exact
     compositing. `transparent_pixels` counts pixels of accuracy images with a transparent fragment
     in any sub-pixel. `exposure` is in stops. `demands` are those of the method with the effects
-    that ran. `plan` is a digest of the targets, buffers and passes that the method declared.
+    that ran. `plan` is a digest of the targets, buffers and passes that the method declared. The
+    method belongs to a `family` of `oitbench.method.families`, and the scene has a `subject`, such
+    as "smoke".
     `custom` describes the metrics of users' files, whose values are in `scores` beside the suite's.
     """
 
@@ -184,6 +182,8 @@ class Outcome(_Typed, frozen=True):
     exposure: float
     demands: Demands
     plan: str = ""
+    family: str = OTHER
+    subject: str = ""
     custom: dict[str, CustomMetric] = {}
 
 
@@ -371,30 +371,3 @@ class RunFacts(_Typed, frozen=True):
 def flip_image(truth: str) -> str:
     """Return the key of `Outcome.images` for the maps of FLIP against a truth."""
     return f"flip_{truth}"
-
-
-def json_schema() -> dict[str, Any]:
-    """Return the JSON Schema of a line of `cells.jsonl` and of `run.json`."""
-    (record, facts), definitions = msgspec.json.schema_components(
-        (Record, RunFacts), ref_template="#/$defs/{name}"
-    )
-    for definition in definitions.values():
-        definition["description"] = " ".join(definition["description"].split())
-    for kind in (Record, RunFacts):
-        # Both have a checksum in their file, which is no field of theirs; see `checksum.py`.
-        definitions[kind.__name__]["properties"][CHECKSUM] = {"type": "string"}
-    return {
-        "$schema": "https://json-schema.org/draft/2020-12/schema",
-        "title": "Results of oitbench",
-        "oneOf": [record, facts],
-        "$defs": definitions,
-    }
-
-
-def schema_text() -> str:
-    """Return the content of `record.schema.json`."""
-    return msgspec.json.format(msgspec.json.encode(json_schema()), indent=1).decode() + "\n"
-
-
-if __name__ == "__main__":
-    SCHEMA_FILE.write_text(schema_text(), encoding="utf-8")

@@ -67,9 +67,12 @@ def slope(times: dict[int, float]) -> float:
     return float(np.polyfit(x, y, 1)[0])
 
 
-def plot(times: Times, methods: list[Method], known: list[str]) -> None:
+def plot(times: Times, methods: list[Method]) -> None:
     """Draw all curves into one figure."""
-    look = palette.styles({method.label: method.name for method in methods}, known)
+    look = palette.styles(
+        {method.label: method.name for method in methods},
+        {method.name: method.family for method in methods},
+    )
     with figures.canvas(9.4, 6.0) as figure:
         axes = figure.add_subplot()
         marks = []
@@ -105,7 +108,7 @@ def main(texts: list[str]) -> None:
             row.append(f"{slope(points):.2f}")
             writer.writerow(row)
             print(f"{label:40} {' '.join(f'{value:>9}' for value in row[1:])}")
-    plot(times, methods, list(collection.methods))
+    plot(times, methods)
     print(f"written to {OUT}/layers.png")
 
 

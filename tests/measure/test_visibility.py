@@ -103,7 +103,7 @@ def test_curves_of_random_methods_are_averaged(device: Device) -> None:
 def test_a_folder_that_cannot_be_written_to_is_refused(tmp_path: Path) -> None:
     fragments = one_pixel(*LAYERS)
     curve = visibility.exact_curve(fragments)
-    curves = visibility.Curves("s", (0, 0), (1, 1), fragments, curve, {}, {}, {}, {})
+    curves = visibility.Curves("s", (0, 0), (1, 1), fragments, curve, {}, {}, {}, {}, {})
     (tmp_path / "file").write_text("")
     with pytest.raises(UsageError, match="give -o DIR"):
         write(curves, tmp_path / "file")

@@ -9,22 +9,23 @@ import numpy as np
 import pytest
 
 from oitbench.image import metrics
+from oitbench.method.families import BLENDING, CURVES, OTHER
+from oitbench.report import palette
 from oitbench.truths import EXACT, MATCHED
 from tests.report.made_up import context, finished, unfinished
 
 
-def test_methods_that_differ_in_parameters_share_a_color(tmp_path: Path) -> None:
-    cells = [unfinished("panes", label) for label in ("murk", "glow[n=8]", "glow[n=16]")]
-    shown = context(tmp_path, cells, tmp_path)
-    small, large = shown.style("glow[n=8]"), shown.style("glow[n=16]")
-    assert small.color == large.color != shown.style("murk").color
-    assert small.marker != large.marker
-
-
-def test_a_color_does_not_depend_on_the_other_methods(tmp_path: Path) -> None:
-    murk, glow = unfinished("panes", "murk"), unfinished("panes", "glow")
-    styles = [context(tmp_path, cells, tmp_path).style("murk") for cells in ([murk], [glow, murk])]
-    assert styles[0] == styles[1]
+def test_looks_follow_from_the_families_of_records(tmp_path: Path) -> None:
+    murk, glow = (
+        finished(tmp_path, "panes", method, 0.3, outcome={"family": family})
+        for method, family in (("murk", CURVES), ("glow", BLENDING))
+    )
+    lost = unfinished("panes", "haze")
+    for cells in ([murk, lost], [glow, murk, lost]):
+        shown = context(tmp_path, cells, tmp_path)
+        style = shown.style("murk")
+        assert (style.color, style.marker) == palette.family_look(CURVES)
+        assert shown.style("haze").color == palette.family_look(OTHER)[0]
 
 
 @pytest.mark.parametrize("truth", [EXACT, MATCHED])

@@ -2,17 +2,29 @@
 
 from __future__ import annotations
 
+from oitbench.method.families import BLENDING, CURVES, FAMILIES, OTHER
 from oitbench.report import palette
 
 
-def test_24_methods_have_distinct_colors() -> None:
+def test_families_have_looks_of_their_own() -> None:
+    looks = [palette.family_look(family) for family in FAMILIES]
+    colors, markers = zip(*looks, strict=True)
+    assert len(set(colors)) == len(set(markers)) == len(FAMILIES)
+    assert palette.family_look("unheard of") == palette.family_look(OTHER)
+
+
+def test_a_family_has_one_color_and_marker_and_lines_differ() -> None:
+    methods = {"glow[n=8]": "glow", "glow": "glow", "haze": "haze", "murk": "murk"}
+    families = {"glow": BLENDING, "haze": BLENDING, "murk": CURVES}
+    styles = palette.styles(methods, families)
+    glow, wide, haze, murk = (styles[label] for label in ("glow", "glow[n=8]", "haze", "murk"))
+    assert (glow.color, glow.marker) == (haze.color, haze.marker) == palette.family_look(BLENDING)
+    assert (murk.color, murk.marker) == palette.family_look(CURVES)
+    assert len({glow.line, wide.line, haze.line}) == 3
+
+
+def test_24_names_have_distinct_colors() -> None:
     assert len(set(palette.colors(f"m{place:02d}" for place in range(24)).values())) == 24
-
-
-def test_a_color_follows_from_the_known_names() -> None:
-    alone = palette.styles({"murk": "murk"}, known=["glow", "murk"])
-    both = palette.styles({"murk": "murk", "glow": "glow"}, known=["glow", "murk"])
-    assert alone["murk"] == both["murk"]
 
 
 def test_text_is_legible() -> None:

@@ -20,7 +20,7 @@ from oitbench.image import stored
 from oitbench.image.files import image_channels
 from oitbench.image.stored import StoredImage
 from oitbench.matrix import machine
-from oitbench.results import schema, store
+from oitbench.results import json_schema, store
 from oitbench.results.checksum import seal
 from oitbench.results.records import Results
 from oitbench.results.schema import Renderer, RunFacts
@@ -187,11 +187,11 @@ def test_a_flipped_version_is_damage_and_no_other_version(tmp_path: Path) -> Non
 
 
 def test_the_schema_file_equals_that_of_the_code() -> None:
-    assert schema.SCHEMA_FILE.read_text(encoding="utf-8") == schema.schema_text()
+    assert json_schema.SCHEMA_FILE.read_text(encoding="utf-8") == json_schema.schema_text()
 
 
 def test_the_schema_has_the_fields_of_written_records(tmp_path: Path) -> None:
-    content = schema.json_schema()
+    content = json_schema.json_schema()
     write(tmp_path, [record()])
     written = json.loads((tmp_path / CELLS).read_text())
     assert set(written) == set(content["$defs"]["Record"]["properties"])

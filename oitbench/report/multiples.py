@@ -1,0 +1,167 @@
+"""Errors over times or bytes for all scenes: small multiples with shared axes."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from oitbench.method.families import FAMILIES
+from oitbench.report import figures, palette
+from oitbench.report.artifacts import Figure
+from oitbench.results.schema import Record
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure as Canvas
+
+FLOOR = 1e-3
+"""Errors up to this one share a row at the bottom of each panel, below a break of the axis."""
+_FLOOR_ROW = FLOOR / 1.9
+_ACROSS = 5
+_HEIGHT = 1.75
+_LEAST_VALUES = 3
+
+
+@dataclass(frozen=True)
+class Point:
+    """A method in one scene: the numbers of both axes, and its family."""
+
+    method: str
+    family: str
+    x: float
+    error: float
+
+    @property
+    def y(self) -> float:
+        """The place on the axis of errors."""
+        return max(self.error, _FLOOR_ROW) if self.error > FLOOR else _FLOOR_ROW
+
+
+@dataclass(frozen=True)
+class Pane:
+    """One scene: its title, the name of its truth, its points, and sweeps of one parameter."""
+
+    title: str
+    truth: str
+    points: tuple[Point, ...]
+    sweeps: tuple[tuple[Point, ...], ...]
+
+
+def sweeps(points: Iterable[tuple[Record, Point]]) -> tuple[tuple[Point, ...], ...]:
+    """Return the points that differ in one numeric parameter alone, in the order of its values."""
+    groups: dict[tuple[object, ...], dict[float, Point]] = {}
+    for record, point in points:
+        values = record.outcome.parameters if record.outcome else {}
+        for key, value in values.items():
+            if isinstance(value, (int, float)) and not isinstance(value, bool):
+                rest = tuple(sorted((k, repr(v)) for k, v in values.items() if k != key))
+                groups.setdefault((record.name, key, rest), {})[float(value)] = point
+    return tuple(
+        tuple(found[value] for value in sorted(found))
+        for found in groups.values()
+        if len(found) >= _LEAST_VALUES
+    )
+
+
+def front(points: Iterable[Point]) -> list[Point]:
+    """Return the points with no other one to the left of them and as low, from left to right."""
+    kept: list[Point] = []
+    for point in sorted(points, key=lambda point: (point.x, point.y)):
+        if not kept or point.y < kept[-1].y:
+            kept.append(point)
+    return kept
+
+
+def draw(panes: Sequence[Pane], path: Path, *, x: str, title: str, caption: str) -> Figure:
+    """Draw a pane for each scene.
+
+    Parameters
+    ----------
+    panes : sequence of Pane
+        At least one, each with at least one point.
+    path : Path
+        File without its suffix.
+    x : str
+        Label of the horizontal axis, with its unit.
+    title, caption : str
+    """
+    across = min(_ACROSS, len(panes))
+    down = math.ceil(len(panes) / across)
+    with figures.canvas(figures.WIDTH, _HEIGHT * down + 0.85) as figure:
+        grid = figure.subplots(down, across, sharex=True, sharey=True, squeeze=False).ravel()
+        _set_scales(grid[0], [point for pane in panes for point in pane.points])
+        for axes, pane in zip(grid, panes, strict=False):
+            _draw_pane(axes, pane)
+        for place in range(len(panes), len(grid)):
+            grid[place].set_visible(False)
+            grid[place - across].xaxis.set_tick_params(labelbottom=True)
+        figure.supxlabel(x, fontsize=8.5)
+        figure.supylabel("FLIP error, lower is better (logarithmic)", fontsize=8.5)
+        _add_legend(figure, panes)
+        return figures.save(figure, path, title=title, caption=caption)
+
+
+def _set_scales(axes: Axes, points: Sequence[Point]) -> None:
+    from matplotlib.ticker import LogLocator, NullLocator
+
+    axes.set_xscale("log")
+    axes.set_yscale("log")
+    xs = [point.x for point in points]
+    axes.set_xlim(min(xs) / 1.6, max(xs) * 1.6)
+    axes.xaxis.set_major_locator(LogLocator(numticks=5))
+    axes.xaxis.set_minor_locator(NullLocator())
+    axes.xaxis.set_major_formatter("{x:g}")
+    highest = max(point.y for point in points)
+    axes.set_ylim(_FLOOR_ROW / 1.7, max(highest, 10 * FLOOR) * 1.6)
+    ticks = [FLOOR * 10**k for k in range(1 + math.ceil(math.log10(max(highest / FLOOR, 10))))]
+    axes.set_yticks([_FLOOR_ROW, *ticks], [f"≤ {FLOOR:g}", "", *(f"{t:g}" for t in ticks[1:])])
+    axes.yaxis.set_minor_locator(NullLocator())
+
+
+def _draw_pane(axes: Axes, pane: Pane) -> None:
+    axes.grid(True, axis="both", linewidth=0.4)
+    axes.axhline(FLOOR, color=figures.QUIET, linewidth=0.7, linestyle=(0, (1, 2)))
+    best = front(pane.points)
+    xs, ys = [best[0].x], [axes.get_ylim()[1]]
+    for point in best:
+        xs += [point.x] * 2
+        ys += [ys[-1], point.y]
+    axes.plot(
+        [*xs, axes.get_xlim()[1]], [*ys, ys[-1]], color=figures.QUIET, linewidth=0.9, zorder=1.5
+    )
+    for curve in pane.sweeps:
+        color, _ = palette.family_look(curve[0].family)
+        axes.plot([p.x for p in curve], [p.y for p in curve], color=color, linewidth=0.9, zorder=2)
+    for point in pane.points:
+        color, marker = palette.family_look(point.family)
+        axes.plot(
+            point.x,
+            point.y,
+            marker=marker,
+            markersize=6 if marker == "*" else 4.2,
+            color=color,
+            markeredgecolor="white",
+            markeredgewidth=0.4,
+            linestyle="none",
+            zorder=4 if point in best else 3,
+        )
+    axes.set_title(f"{pane.title}\n{pane.truth}", fontsize=7, pad=3)
+    axes.tick_params(labelsize=6.5)
+
+
+def _add_legend(figure: Canvas, panes: Sequence[Pane]) -> None:
+    from matplotlib.lines import Line2D
+
+    used = {point.family for pane in panes for point in pane.points}
+    handles = []
+    for family, words in FAMILIES.items():
+        if family in used:
+            color, marker = palette.family_look(family)
+            handles.append(
+                Line2D([], [], color=color, marker=marker, linestyle="none", label=words)
+            )
+    handles.append(Line2D([], [], color=figures.QUIET, linewidth=0.9, label="Pareto front"))
+    figure.legend(handles=handles, loc="outside upper center", ncols=4, fontsize=7.5, frameon=False)

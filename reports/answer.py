@@ -1,0 +1,152 @@
+"""Which method to use, and at what price.
+
+Methods are compared by FLIP against the truth that ranks each scene, and by method time: everything
+that a method adds to a frame. Error, time and price of a method are those of the same cells.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from oitbench.parameters import natural
+from oitbench.report import Artifact, ReportContext, answers, multiples, palette, times
+from oitbench.report.answers import Answer, Choice
+from oitbench.report.artifacts import Choices, Chosen, HeatTable, Shade, Statement, write_csv
+from oitbench.report.multiples import Pane, Point
+from oitbench.results.ranking import ranking
+from oitbench.results.records import Panel
+from oitbench.results.schema import Record
+from oitbench.truths import TRUTHS
+
+title = "The answer"
+order = 1
+
+_CRITERIA = (
+    ("Least error", "whatever the time; of methods that tie, the fastest"),
+    (
+        f"Least error within {answers.CHEAP:g}× the fastest",
+        f"of methods that take at most {answers.CHEAP:g} times the time of the fastest",
+    ),
+    (
+        f"Cheapest within {answers.NEAR:g} of the least error",
+        f"of methods whose FLIP is at most {answers.NEAR:g} above the least",
+    ),
+    ("Fastest", "whatever the error"),
+)
+# Errors are shaded from white at the first to the darkest at the last, on a logarithmic scale.
+_PALE, _DARK = 1e-3, 1.0
+_DARKEST = "#8c2d04"
+
+
+def build(context: ReportContext) -> list[Artifact]:
+    """Answer in sentences and a table; draw errors over times and bytes; list all errors."""
+    panels = [panel for panel in context.results.panels() if panel.finished]
+    groups = answers.subjects(panels, context.flip)
+    found = [answer for group in groups if (answer := group.answer) is not None]
+    if not found:
+        return []
+    parts: list[Artifact] = [
+        Statement(tuple(answers.sentences(found, panels, context.flip))),
+        _choices(context, found),
+    ]
+    for name, axis, words in (
+        ("time", "method time, ms (logarithmic)", "method time"),
+        ("bytes", "bytes per pixel (logarithmic)", "memory of the method"),
+    ):
+        panes = [pane for panel in panels if (pane := _pane(context, panel, name)).points]
+        if panes:
+            parts.append(
+                multiples.draw(
+                    panes,
+                    context.out / f"answer-{name}",
+                    x=axis,
+                    title=f"Error over {words}, all scenes",
+                    caption="All panes share both axes; lower left is best. Lines in color join "
+                    "values of one parameter. The row at the bottom, below a dotted break of the "
+                    f"axis, holds errors up to {multiples.FLOOR:g}. The truth that ranks the scene "
+                    "is below its name." + times.explain(context.results.records),
+                )
+            )
+    return [*parts, _heat(context, panels)]
+
+
+def _choices(context: ReportContext, found: Sequence[Answer]) -> Choices:
+    path = context.out / "answer.csv"
+    lines = [
+        (answer.subject, criterion, price.method, price.error, price.ms, price.cost)
+        for answer in found
+        for (criterion, _), choice in zip(_CRITERIA, _chosen(answer), strict=True)
+        if choice is not None
+        for price in [choice.price]
+    ]
+    write_csv(path, ("subject", "criterion", "method", context.flip, "method_ms", "cost"), lines)
+    where = "a software renderer" if context.results.software else "this GPU"
+    return Choices(
+        "Which method for which content",
+        f"Mean {context.flip} over the scenes of a subject, geometric mean of method times on "
+        f"{where}, and their ratio to the fastest method of each scene. Methods that lack a number "
+        "in one of the scenes are left out." + times.explain(context.results.records),
+        path,
+        _CRITERIA,
+        tuple(
+            (answer.subject, answer.scenes, tuple(map(_shown, _chosen(answer)))) for answer in found
+        ),
+    )
+
+
+def _chosen(answer: Answer) -> tuple[Choice | None, ...]:
+    return answer.least, answer.cheap, answer.near, answer.fastest
+
+
+def _shown(choice: Choice | None) -> Chosen | None:
+    if choice is None:
+        return None
+    return Chosen(choice.price.method, answers.described(choice), choice.equal)
+
+
+def _pane(context: ReportContext, panel: Panel, axis: str) -> Pane:
+    found: list[tuple[Record, Point]] = []
+    for cell in panel.finished:
+        error, x = cell.metric(panel.truth, context.flip), _x(cell, axis)
+        if error is not None and x and cell.outcome is not None:
+            found.append((cell, Point(cell.method, cell.outcome.family, x, error)))
+    points = tuple(point for _, point in found)
+    return Pane(panel.title, TRUTHS[panel.truth], points, multiples.sweeps(found))
+
+
+def _x(cell: Record, axis: str) -> float | None:
+    if axis == "time":
+        return cell.time.method_ms.median if cell.time is not None else None
+    return cell.outcome.memory.bits_per_pixel / 8 if cell.outcome is not None else None
+
+
+def _heat(context: ReportContext, panels: Sequence[Panel]) -> HeatTable:
+    methods = sorted({cell.method for panel in panels for cell in panel.finished}, key=natural)
+    rows, lines = [], []
+    for panel in panels:
+        found = ranking(panel, context.flip)
+        errors = [found.errors[m].error if m in found.errors else None for m in methods]
+        best = found.best
+        shades = tuple(_shade(e, m in best) for m, e in zip(methods, errors, strict=True))
+        rows.append((panel.title, TRUTHS[panel.truth], shades))
+        lines.append((panel.title, TRUTHS[panel.truth], *errors))
+    path = context.out / "answer-errors.csv"
+    write_csv(path, ("scene", "truth", *methods), lines)
+    return HeatTable(
+        "All errors",
+        f"Mean {context.flip} against the truth that ranks each scene, ×1000. Frames mark the "
+        "least error of a scene and all that tie with it within the noise of the reference.",
+        path,
+        tuple(methods),
+        tuple(rows),
+    )
+
+
+def _shade(error: float | None, best: bool) -> Shade:
+    if error is None:
+        return Shade("–")
+    place = math.log(max(error, _PALE) / _PALE) / math.log(_DARK / _PALE)
+    color = palette.mix("#ffffff", _DARKEST, min(1.0, place))
+    thousandths = f"{1000 * error:.1f}" if error < 0.1 else f"{1000 * error:.0f}"
+    return Shade(thousandths, color, best)
