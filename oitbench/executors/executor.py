@@ -45,14 +45,14 @@ class Far:
     settings : Settings
     replies : type
         Union of all replies.
-    greeting : Struct
+    greeting : Struct, optional
         A request that belongs to the start: its time does not count for the first real request.
     """
 
     module: str
     settings: Settings
     replies: Any
-    greeting: Struct
+    greeting: Struct | None = None
 
 
 class Worker(Protocol):
