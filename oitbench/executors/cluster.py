@@ -8,13 +8,14 @@ from __future__ import annotations
 
 import itertools
 import threading
+import time
 from collections import Counter
 from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any
 from urllib.parse import urlparse
 
-from distributed import Client, Future
+from distributed import CancelledError, Client, Future, TimeoutError
 from msgspec import Struct
 
 from oitbench.atomic import partial_file
@@ -29,6 +30,7 @@ from oitbench.workers.process import WorkerError
 _CONNECT_SECONDS = 15.0
 _CLOSE_SECONDS = 3.0
 _POLL_SECONDS = 1.0
+_GATHER_SECONDS = 30.0
 _LOOK_SECONDS = 2.0
 """How often a client asks whether the worker that it waits for still exists."""
 
@@ -235,17 +237,21 @@ def result(client: Client, address: str, future: Future[Any]) -> Any:
     """
     ended = threading.Event()
     future.add_done_callback(lambda _: ended.set())
-    while not ended.wait(_LOOK_SECONDS):
-        if address not in _addresses(client):
+    while True:
+        done = ended.wait(_LOOK_SECONDS)
+        try:
+            if done and future.status in ("finished", "error"):
+                # Its worker may be lost with the result, which then never comes.
+                return future.result(timeout=_GATHER_SECONDS)
+        except TimeoutError:
+            pass
+        except CancelledError as error:
+            raise WorkerError("the worker is gone", "lost") from error
+        if address not in _addresses(client) or future.status in ("cancelled", "lost"):
             future.release()
             raise WorkerError("the worker is gone", "lost")
-    if future.status == "finished":
-        return future.result()
-    if future.status == "error":
-        error = future.exception()
-        assert error is not None
-        raise error
-    raise WorkerError("the worker is gone", "lost")
+        if done:
+            time.sleep(_LOOK_SECONDS)
 
 
 def _addresses(client: Client) -> Iterable[str]:

@@ -80,7 +80,7 @@ def test_files_lie_in_the_folder_when_the_answer_has_come(place: Place, tmp_path
 @every
 def test_an_error_of_a_user_is_the_same_everywhere(place: Place, tmp_path: Path) -> None:
     with place.open(far_end(tmp_path)) as executor:
-        with pytest.raises(UsageError, match="^no$"):
+        with pytest.raises(UsageError, match=r"^no$"):
             executor.ask(Act("refuse"), Done)
         assert executor.ask(Act("next"), Done).text == "next"
 
@@ -112,9 +112,11 @@ def test_a_cluster_survives_the_loss_of_all_its_workers(tmp_path: Path) -> None:
     lines: list[str] = []
     marks = [str(tmp_path / name) for name in ("first", "second")]
     units = deque([[Act("1"), Act("kill the worker", mark), Act("2")] for mark in marks])
-    with cluster({}, {}) as address:
-        with Place(dask=address).open(far_end(tmp_path), lines.append) as executor:
-            found = sorted(done.text for done in executor.collect(units, act))
+    with (
+        cluster({}, {}) as address,
+        Place(dask=address).open(far_end(tmp_path), lines.append) as executor,
+    ):
+        found = sorted(done.text for done in executor.collect(units, act))
     assert found == ["1", "1", "2", "2", "kill the worker", "kill the worker"]
     assert len([line for line in lines if line.startswith("lost: tcp://")]) == 2
 
