@@ -24,7 +24,7 @@ Unit = TypeVar("Unit")
 Result = TypeVar("Result")
 OnLine = Callable[[str], None]
 _WAKE_SECONDS = 1.0
-_RECRUIT_SECONDS = 60.0
+_RECRUIT_SECONDS = 300.0
 """Time in which a new worker must come after the last one is lost."""
 
 

@@ -16,19 +16,11 @@ from oitbench.executors import inventory
 from oitbench.executors.executor import Worker
 from oitbench.executors.places import Place
 from oitbench.workers.process import WorkerError
-from tests.executors.clusters import cluster
 from tests.executors.far import Act, Done, far_end
 
 PLACES = ("in process", "processes", "cluster")
 OTHERS = PLACES[1:]
 """Those whose workers can be lost."""
-
-
-@pytest.fixture(scope="module")
-def address() -> Iterator[str]:
-    """The scheduler of two workers."""
-    with cluster({}, {}) as found:
-        yield found
 
 
 @pytest.fixture
@@ -108,14 +100,11 @@ def test_a_process_that_was_killed_costs_only_time(place: Place, tmp_path: Path)
             executor.ask(Act("be killed"), Done)
 
 
-def test_a_cluster_survives_the_loss_of_all_its_workers(tmp_path: Path) -> None:
+def test_a_cluster_survives_the_loss_of_all_its_workers(address: str, tmp_path: Path) -> None:
     lines: list[str] = []
     marks = [str(tmp_path / name) for name in ("first", "second")]
     units = deque([[Act("1"), Act("kill the worker", mark), Act("2")] for mark in marks])
-    with (
-        cluster({}, {}) as address,
-        Place(dask=address).open(far_end(tmp_path), lines.append) as executor,
-    ):
+    with Place(dask=address).open(far_end(tmp_path), lines.append) as executor:
         found = sorted(done.text for done in executor.collect(units, act))
     assert found == ["1", "1", "2", "2", "kill the worker", "kill the worker"]
     assert len([line for line in lines if line.startswith("lost: tcp://")]) == 2
