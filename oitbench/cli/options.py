@@ -96,6 +96,27 @@ collections = click.option(
     type=click.Path(path_type=Path),
     help="Folder with further methods, scenes or reports. Repeatable.",
 )
+
+
+def workers(doing: str) -> Callable[[Command], Command]:
+    """Return the option `--workers`; `doing` tells what so many processes do."""
+    return click.option(
+        "--workers",
+        type=click.IntRange(0),
+        default=1,
+        show_default=True,
+        help=f"Processes that {doing}. 0: everything happens in this process, for debugging; a"
+        " crash ends the command, and no time or memory is limited.",
+    )
+
+
+dask = click.option(
+    "--dask",
+    metavar="ADDRESS",
+    default="",
+    help="Scheduler of a Dask cluster whose workers are used instead of processes of this machine,"
+    " as in tcp://10.0.0.1:8786. Needs: pip install 'oitbench[cluster]'.",
+)
 memory = click.option(
     "--memory",
     "memory_gib",

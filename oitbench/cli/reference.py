@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import sys
+import tempfile
 from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 
 import click
 from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TaskID, TextColumn
 
 from oitbench.catalog.catalog import Catalog
 from oitbench.cli import options
@@ -16,29 +19,28 @@ from oitbench.errors import (
     CapabilityError,
     DeclarationError,
     OitbenchError,
-    StorageError,
     UsageError,
 )
+from oitbench.executors.executor import Executor
+from oitbench.executors.places import Place
 from oitbench.matrix.cell import choose_effects
 from oitbench.matrix.plan import CELL_SECONDS
-from oitbench.path_traced.references import storage
+from oitbench.path_traced.references import making, storage
 from oitbench.path_traced.references.check import CHECK_SPP
+from oitbench.path_traced.references.storage import Reference
 from oitbench.path_traced.references.worker import (
     CheckReference,
     Job,
     ReferenceChecked,
-    ReferenceRendered,
-    RenderReference,
-    Reply,
+    far_end,
 )
-from oitbench.places import Names
+from oitbench.places import Names, Places
 from oitbench.truths import MATCHED, TRACED
 from oitbench.views import MAIN, seen
-from oitbench.workers import memory
-from oitbench.workers.process import Process
 
 _SIZE = (256, 256)
 _SSAA = 2
+_CHECKED = Path("results") / "reference_check"
 
 
 @click.command("reference", short_help="Render or check the references of scenes.")
@@ -98,6 +100,8 @@ _SSAA = 2
     " pixels.",
 )
 @options.memory
+@options.workers("trace at once")
+@options.dask
 @options.collections
 @click.option(
     "-o",
@@ -120,6 +124,8 @@ def command(
     adopts: bool,
     timeout: float | None,
     memory_gib: float | None,
+    workers: int,
+    dask: str,
     collections: tuple[Path, ...],
     output: Path | None,
 ) -> None:
@@ -140,42 +146,80 @@ def command(
     if effects is not None and truths != (MATCHED,):
         raise UsageError("--effects needs --truth matched; full path tracing leaves nothing out")
     chosen = None if effects is None else choose_effects(effects, ~Effect.NONE)
-    limit = memory.limit(memory_gib, 1)
+    if checks and dask:
+        raise UsageError("--check uses files of this machine; leave out --dask")
+    place = Place(workers, dask, memory_gib)
     console = Console(highlight=False, soft_wrap=True)
     with Catalog(collections) as catalog:
         jobs = list(_jobs(catalog, scenes, truths, chosen, views, size, ssaa))
     places = catalog.places
     well, failed = True, 0
-    with Process("oitbench.path_traced.references.worker", places.files(), Reply, limit) as worker:
 
-        def ask(job: Job, error: str) -> bool:
-            if error:
-                raise DeclarationError(error)
-            if checks:
-                failures = output or Path("results") / "reference_check"
-                check = CheckReference(job, spp or CHECK_SPP, failures, adopts)
-                return _print_check(console, worker.ask(check, ReferenceChecked, timeout))
-            folder = output or _reference_folder(places.scenes, job.scene)
-            render = RenderReference(job, spp, seed, folder)
-            done = worker.ask(render, ReferenceRendered, timeout)
-            place = folder / done.rendering.key
-            console.print(f"rendered {place}  {_facts(done)}", markup=False)
-            return True
+    def take(job: Job, found: Reference | ReferenceChecked | OitbenchError) -> None:
+        nonlocal well, failed
+        if isinstance(found, ReferenceChecked):
+            well = _print_check(console, found) and well
+        elif isinstance(found, Reference):
+            stored = folders[job] / found.rendering.key
+            console.print(f"rendered {stored}  {_facts(found)}", markup=False)
+        elif isinstance(found, CapabilityError):
+            # A check that is skipped is no success.
+            well = well and not checks
+            console.print(f"skipped  {found}", style="yellow", markup=False)
+        else:
+            failed += 1
+            reason = str(found).removeprefix(f"scene {job.scene}: ")
+            click.echo(f"failed   {seen(job.scene, job.view)}: {reason}", err=True)
 
-        for job, error in jobs:
-            try:
-                well = ask(job, error) and well
-            except StorageError:
-                raise
-            except CapabilityError as problem:
-                # A check that is skipped is no success.
-                well = well and not checks
-                console.print(f"skipped  {problem}", style="yellow", markup=False)
-            except OitbenchError as problem:
-                failed += 1
-                reason = str(problem).removeprefix(f"scene {job.scene}: ")
-                click.echo(f"failed   {seen(job.scene, job.view)}: {reason}", err=True)
+    folders: dict[Job, Path] = {}
+    for job, fault in jobs:
+        try:
+            if fault:
+                raise DeclarationError(fault)
+            folders[job] = output or (
+                _CHECKED if checks else _reference_folder(places.scenes, job.scene)
+            )
+        except OitbenchError as error:
+            take(job, error)
+    with _workers(place, places) as (executor, scratch, on_piece):
+        if checks:
+            requests = [
+                CheckReference(job, spp or CHECK_SPP, folder, adopts)
+                for job, folder in folders.items()
+            ]
+            for job, checked in making.check(executor, requests, timeout):
+                take(job, checked)
+        else:
+            orders = [making.Order(job, folder) for job, folder in folders.items()]
+            for job, made in making.render(executor, orders, spp, seed, timeout, scratch, on_piece):
+                take(job, made)
     sys.exit(2 if failed == len(jobs) else 1 if failed or not well else 0)
+
+
+@contextmanager
+def _workers(place: Place, places: Places) -> Iterator[tuple[Executor, Path, making.OnPiece]]:
+    """Yield an executor, the folder of its files, and a function that shows progress."""
+    errors = Console(stderr=True, highlight=False, soft_wrap=True)
+    columns = (TextColumn("tracing {task.description}"), BarColumn(), MofNCompleteColumn())
+    tasks: dict[Job, TaskID] = {}
+
+    def note(line: str) -> None:
+        errors.print(line, markup=False)
+
+    def show(job: Job, done: int, count: int) -> None:
+        if job not in tasks:
+            label = f"{seen(job.scene, job.view)} ({job.truth})"
+            tasks[job] = bar.add_task(label, total=count)
+        bar.update(tasks[job], completed=done, visible=done < count)
+
+    # In a file or a pipe, the bar would end in an empty line.
+    hidden = not errors.is_terminal
+    with (
+        tempfile.TemporaryDirectory(prefix="oitbench-") as scratch,
+        Progress(*columns, console=errors, transient=True, disable=hidden) as bar,
+        place.open(far_end(places.files(), Path(scratch)), note) as executor,
+    ):
+        yield executor, Path(scratch), show
 
 
 def _stored(folders: Iterable[Path]) -> list[storage.Rendering]:
@@ -269,7 +313,7 @@ def _reference_folder(scenes: Names, label: str) -> Path:
     return path.parent.parent / storage.FOLDER
 
 
-def _facts(rendered: ReferenceRendered) -> str:
+def _facts(rendered: Reference) -> str:
     """Return the samples, the seconds and the noise floor of a reference."""
     how = rendered.rendering
     parts = f"{how.parts} × " if how.parts > 1 else ""

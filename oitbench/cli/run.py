@@ -82,13 +82,8 @@ _WIDE = 200
     "Seconds that each step of a cell may take: building its scene, tracing it, drawing.",
 )
 @options.memory
-@click.option(
-    "--workers",
-    type=click.IntRange(1),
-    default=1,
-    show_default=True,
-    help="Processes that render at once; timing is never parallel.",
-)
+@options.workers("render at once; timing is never parallel")
+@options.dask
 @click.option(
     "--seed",
     type=click.IntRange(0),
@@ -116,6 +111,7 @@ def command(
     timeout: float | None,
     memory_gib: float | None,
     workers: int,
+    dask: str,
     seed: int,
     collections: tuple[Path, ...],
 ) -> None:
@@ -139,7 +135,7 @@ def command(
     chosen = known.choose(engines)
     matrix = plan_matrix(
         scenes, methods, preset, size, effects, ssaa, out, collections, seed, force,
-        timeout, workers, memory_gib, truths, shading, views or (MAIN,), metrics,
+        timeout, workers, memory_gib, truths, shading, views or (MAIN,), metrics, dask,
     )  # fmt: skip
     matrix = replace(matrix, config=config.text(context, context.params))
     console = Console(stderr=True, highlight=False, soft_wrap=True)

@@ -22,6 +22,17 @@ _ENGINE = (
 because a scene's fingerprint covers the result."""
 _METRICS = ("image/metrics.py", "image/ties.py")
 _METRIC_PACKAGES = ("flip-evaluator", "scikit-image")
+PACKAGES = (
+    "oitbench",
+    "mitsuba",
+    "drjit",
+    "moderngl",
+    "numpy",
+    "scikit-image",
+    "flip-evaluator",
+    "OpenEXR",
+)
+"""Packages whose versions can change a result."""
 _SOURCES = (".py", ".glsl")
 _PROSE = (".md", ".rst")
 

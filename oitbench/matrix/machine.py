@@ -10,21 +10,11 @@ from datetime import datetime, timezone
 from pathlib import Path
 
 from oitbench.errors import printable
-from oitbench.fingerprints.code import package_version
+from oitbench.fingerprints.code import PACKAGES, package_version
 from oitbench.measure.disturbance import usable_cores
 from oitbench.results.schema import Commit, Renderer, RunFacts
 from oitbench.results.times import Processor
 
-_PACKAGES = (
-    "oitbench",
-    "mitsuba",
-    "drjit",
-    "moderngl",
-    "numpy",
-    "scikit-image",
-    "flip-evaluator",
-    "OpenEXR",
-)
 _GOVERNOR = Path("/sys/devices/system/cpu/cpu0/cpufreq/scaling_governor")
 
 
@@ -57,7 +47,7 @@ def collect(
         cpu=processor(),
         os=platform.platform(),
         python=platform.python_version(),
-        packages={name: package_version(name) for name in _PACKAGES},
+        packages={name: package_version(name) for name in PACKAGES},
         llvm=llvm,
         git=git_state(Path(__file__).parent),
         argv=[printable(argument) for argument in argv],

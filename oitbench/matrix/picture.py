@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 
 from oitbench.image.files import Image
+from oitbench.matrix.lone_worker import lone_worker
 from oitbench.matrix.plan import CELL_SECONDS
-from oitbench.matrix.pool import lone_worker
 from oitbench.matrix.worker import DrawPicture, PictureDrawn
 from oitbench.method.ablation import REQUESTED
 from oitbench.shading import read_shading

@@ -11,6 +11,7 @@ from oitbench import parameters as selectors
 from oitbench.catalog.catalog import LOAD_SECONDS, Catalog, Choice
 from oitbench.effects import Effect
 from oitbench.errors import UsageError, unknown
+from oitbench.executors.places import Place
 from oitbench.matrix.cell import Cell, choose_effects
 from oitbench.measure.rounds import Schedule
 from oitbench.method.ablation import EACH, REQUESTED
@@ -20,7 +21,6 @@ from oitbench.shading import parse_shading
 from oitbench.truths import EXACT, TRUTHS
 from oitbench.views import MAIN
 from oitbench.views import parse as parse_views
-from oitbench.workers import memory
 
 CELL_SECONDS = 1800.0
 """Time in which each step of a cell must end by default."""
@@ -106,10 +106,8 @@ class Matrix:
         Run finished cells again.
     timeout : float, optional
         Seconds that each step of a cell may take: building the scene, drawing, tracing.
-    workers : int
-        Processes that render accuracy images at once; timing is never parallel.
-    memory_limit : int
-        Bytes that each of these processes may use.
+    place : Place
+        Where accuracy images are rendered; one of its workers times all cells.
     metrics : tuple of Path
         Files of metrics by which cells are scored, too.
     config : str
@@ -125,8 +123,7 @@ class Matrix:
     unusable: Mapping[Cell, str] = field(default_factory=dict)
     force: bool = False
     timeout: float | None = CELL_SECONDS
-    workers: int = 1
-    memory_limit: int = field(default_factory=lambda: memory.share(1))
+    place: Place = field(default_factory=Place)
     metrics: tuple[Path, ...] = ()
     config: str = ""
 
@@ -134,6 +131,11 @@ class Matrix:
     def schedule(self) -> Schedule:
         """The rounds of timing."""
         return Schedule(self.preset.rounds, self.preset.budget, self.seed)
+
+    @property
+    def memory_limit(self) -> int:
+        """Bytes that each process of this machine may use."""
+        return self.place.memory_limit
 
 
 def plan_matrix(
@@ -154,6 +156,7 @@ def plan_matrix(
     shading: Sequence[str] = (),
     views: Sequence[str] = (MAIN,),
     metrics: Iterable[Path | str] = (),
+    dask: str = "",
 ) -> Matrix:
     """Check a request and expand it to cells.
 
@@ -175,11 +178,10 @@ def plan_matrix(
         The results folder.
     collections : iterable of path
         Further collection folders.
-    seed, force, timeout, workers
+    seed, force, timeout
         See `Matrix`. Without a timeout, nothing ends a step that takes too long.
-    memory_gib : float, optional
-        Memory that one worker may use, in GiB. Default: 75 % of the machine's, divided by the
-        number of workers.
+    workers, memory_gib, dask
+        See `oitbench.executors.places.Place`.
     truths : sequence of str
         Keys of the truths to score against; the exact one is always among them. Default: those of
         the preset.
@@ -200,10 +202,9 @@ def plan_matrix(
     chosen = PRESETS[preset]
     size = size or chosen.size
     grids = chosen.grids if ssaa is None else (ssaa,)
-    if min(*size, *grids, workers) < 1:
-        raise UsageError(
-            f"size {size[0]}x{size[1]}, ssaa {min(grids)} and workers {workers} must be at least 1"
-        )
+    if min(*size, *grids) < 1:
+        raise UsageError(f"size {size[0]}x{size[1]} and ssaa {min(grids)} must be at least 1")
+    place = Place(workers, dask, memory_gib)
     for truth in truths:
         if truth not in TRUTHS:
             raise unknown("truth", truth, list(TRUTHS))
@@ -214,12 +215,11 @@ def plan_matrix(
             choose_effects(text, Effect.NONE)
     shadings = [one.label for one in parse_shading(shading)]
     cameras = parse_views(views)
-    limit = memory.limit(memory_gib, workers)
     seconds = LOAD_SECONDS if timeout is None else min(timeout, LOAD_SECONDS)
     wanted = (EXACT, *(truths or chosen.truths))
     kept = tuple(truth for truth in TRUTHS if truth in wanted)
     settings = (seed, chosen.permutations, kept)
-    with Catalog(collections, limit, seconds) as catalog:
+    with Catalog(collections, place.memory_limit, seconds) as catalog:
         chosen_scenes = catalog.expand_scenes(scenes or _preset_scenes(catalog, chosen))
         chosen_methods = catalog.expand_methods(methods or _preset_methods(catalog, chosen))
         pairs = [
@@ -236,8 +236,8 @@ def plan_matrix(
         tuple(cell for cell, _ in pairs), chosen, Path(out), seed,
         catalog.places.files(method.name for method in chosen_methods),
         tuple(catalog.names("method")),
-        {cell: error for cell, error in pairs if error}, force, timeout, workers,
-        limit, tuple(map(Path, metrics)),
+        {cell: error for cell, error in pairs if error}, force, timeout, place,
+        tuple(map(Path, metrics)),
     )  # fmt: skip
 
 

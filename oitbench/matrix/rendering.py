@@ -1,20 +1,17 @@
-"""Renders the cells of a matrix with a pool of workers, and stores each when it is done."""
+"""Lets workers render the cells of a matrix, and stores each when it is done."""
 
 from __future__ import annotations
 
-import threading
-from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
-from contextlib import suppress
+from collections import deque
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
-from queue import Empty, Queue
 
 import msgspec
 
 from oitbench.errors import OitbenchError, StorageError
+from oitbench.executors.executor import Executor, Worker
 from oitbench.matrix.cell import Cell
 from oitbench.matrix.plan import Matrix
-from oitbench.matrix.pool import WorkerProcess
 from oitbench.matrix.resume import Resume, describe
 from oitbench.matrix.worker import CellDone, CellsIdentified, IdentifyCells, RunCell
 from oitbench.results.schema import Fingerprints, Record, Status
@@ -22,9 +19,8 @@ from oitbench.workers.process import WorkerError
 
 OnRecord = Callable[[Cell, Record | None], None]
 OnLine = Callable[[str], None]
-_Item = tuple[Cell, CellDone | None] | str | BaseException | None
-"""A cell that is done, or kept; a line for the user; an error; the end of a scene."""
-_WAKE_SECONDS = 1.0
+_Item = tuple[Cell, CellDone | None] | str
+"""A cell that is done, or kept; a line for the user."""
 
 
 @dataclass
@@ -59,48 +55,16 @@ class Rendering:
     unstored: dict[Cell, Record] = field(default_factory=dict, init=False)
     spent: list[dict[str, float]] = field(default_factory=list, init=False)
 
-    def run(self, pool: list[WorkerProcess]) -> None:
+    def run(self, executor: Executor) -> None:
         """Render and store all cells that are not kept."""
         scenes: dict[str, list[Cell]] = {}
         for cell in self.matrix.cells:
             scenes.setdefault(cell.scene, []).append(cell)
-        finished: Queue[_Item] = Queue()
-        free: Queue[WorkerProcess] = Queue()
-        for worker in pool:
-            free.put(worker)
-        stopped = threading.Event()
-
-        def render_scene(cells: list[Cell]) -> None:
-            worker = free.get()
-            try:
-                self._render_scene(worker, cells, finished, stopped)
-                finished.put(None)
-            except BaseException as error:
-                finished.put(error)
-            finally:
-                free.put(worker)
-
-        with ThreadPoolExecutor(len(pool)) as threads:
-            for cells in scenes.values():
-                threads.submit(render_scene, cells)
-            try:
-                left = len(scenes)
-                while left:
-                    item = _next(finished)
-                    if isinstance(item, BaseException):
-                        raise item
-                    if item is None:
-                        left -= 1
-                    elif isinstance(item, str):
-                        self.on_line(item)
-                    else:
-                        self._take(*item)
-            except BaseException:
-                # An interrupt or a bug must not wait for cells that nobody wants.
-                stopped.set()
-                for worker in pool:
-                    worker.stop()
-                raise
+        for item in executor.collect(deque(scenes.values()), self._render_scene):
+            if isinstance(item, str):
+                self.on_line(item)
+            else:
+                self._take(*item)
 
     def _take(self, cell: Cell, done: CellDone | None) -> None:
         """Store what a worker has done for a cell; None: it is kept."""
@@ -119,13 +83,7 @@ class Rendering:
         self.spent.append(done.spent)
         self.on_record(cell, record)
 
-    def _render_scene(
-        self,
-        worker: WorkerProcess,
-        cells: list[Cell],
-        finished: Queue[_Item],
-        stopped: threading.Event,
-    ) -> None:
+    def _render_scene(self, worker: Worker, cells: list[Cell]) -> Iterator[_Item]:
         content: dict[Cell, Fingerprints | None] = {}
 
         def identify(known: list[Cell]) -> Sequence[Fingerprints | None]:
@@ -133,14 +91,11 @@ class Rendering:
             return [content[cell] for cell in known]
 
         todo = self.resume.redone(cells, identify)
-        for line in describe(todo):
-            finished.put(line)
+        yield from describe(todo)
         lost: WorkerError | None = None
         for cell in cells:
-            if stopped.is_set():
-                return
             if cell not in todo:
-                finished.put((cell, None))
+                yield cell, None
                 continue
             try:
                 done = self._render(worker, cell, lost)
@@ -151,9 +106,9 @@ class Rendering:
             if done.record.fingerprints is None and content.get(cell) is not None:
                 known = msgspec.structs.replace(done.record, fingerprints=content[cell])
                 done = msgspec.structs.replace(done, record=known)
-            finished.put((cell, done))
+            yield cell, done
 
-    def _identify(self, worker: WorkerProcess, cells: list[Cell]) -> Sequence[Fingerprints | None]:
+    def _identify(self, worker: Worker, cells: list[Cell]) -> Sequence[Fingerprints | None]:
         usable = [cell for cell in cells if cell not in self.matrix.unusable]
         try:
             request, limit = IdentifyCells(usable), self.matrix.timeout
@@ -164,7 +119,7 @@ class Rendering:
         found = dict(zip(usable, reply.fingerprints, strict=True))
         return [found.get(cell) for cell in cells]
 
-    def _render(self, worker: WorkerProcess, cell: Cell, lost: WorkerError | None) -> CellDone:
+    def _render(self, worker: Worker, cell: Cell, lost: WorkerError | None) -> CellDone:
         if cell in self.matrix.unusable:
             return self._failed(cell, self.matrix.unusable[cell])
         if lost is not None:
@@ -182,14 +137,3 @@ class Rendering:
     def _unanswered(self, cell: Cell, error: WorkerError) -> CellDone:
         status: Status = "timeout" if error.timeout else "failed"
         return CellDone(cell.record(status, str(error), gl=self.resume.gl), {})
-
-
-def _next(finished: Queue[_Item]) -> _Item:
-    """Wait for the next item of a queue.
-
-    Signals that a stopped process receives may reach any of its threads when it goes on. The main
-    thread, which handles them, only notices them when it wakes up.
-    """
-    while True:
-        with suppress(Empty):
-            return finished.get(timeout=_WAKE_SECONDS)

@@ -11,16 +11,23 @@ from typing import Any
 
 import msgspec
 
-from oitbench.errors import printable
-from oitbench.matrix import machine
+from oitbench.errors import UsageError, printable
+from oitbench.executors.executor import Executor, Worker
 from oitbench.matrix.plan import Matrix, plan_matrix
-from oitbench.matrix.pool import WorkerProcess
 from oitbench.matrix.rendering import OnLine, OnRecord, Rendering
 from oitbench.matrix.resume import Resume
 from oitbench.matrix.timed_cells import ScoredCell, Timing
 from oitbench.matrix.timed_scenes import due_scenes, time_scene
-from oitbench.matrix.worker import CellsTimed, Greeting, Hello, TimeCells
-from oitbench.results.schema import TROUBLED, Record
+from oitbench.matrix.worker import (
+    CellsTimed,
+    CollectFacts,
+    FactsCollected,
+    Greeting,
+    Hello,
+    TimeCells,
+    far_end,
+)
+from oitbench.results.schema import TROUBLED, Record, Renderer
 from oitbench.results.store import Store
 from oitbench.results.times import Processor
 from oitbench.scoring.folder import score_cell
@@ -134,48 +141,62 @@ def run_matrix(
     StorageError
         A file cannot be written. Cells that finished before are kept.
     CapabilityError
-        There is no OpenGL on this machine.
+        No worker has OpenGL.
     """
     start = time.perf_counter()
     summary = Summary()
-    pool = [
-        WorkerProcess(matrix.plugins, matrix.out, matrix.memory_limit)
-        for _ in range(matrix.workers)
-    ]
+    far = far_end(matrix.plugins, matrix.out)
     with (
         Scorer(matrix.metrics, matrix.memory_limit, matrix.timeout) as scorer,
         Store.open(matrix.out) as store,
+        matrix.place.open(far, on_line) as executor,
     ):
-        try:
-            greeting = pool[0].ask(Hello(), Greeting, retry=True)
-            store.check_renderer(greeting.gl.renderer)
-            facts = machine.collect(
-                greeting.gl,
-                argv=list(map(printable, sys.argv)),
-                seed=matrix.seed,
-                methods=matrix.methods,
-            )
-            store.write_run(facts)
-            store.write_config(matrix.config)
-            resume = Resume(store, greeting.gl, matrix.force)
-            rendering = Rendering(matrix, resume, on_record, on_line)
-            rendering.run(pool)
-            for spent in rendering.spent:
-                summary.add(spent)
-            for extra in pool[1:]:
-                extra.stop()
-            _score_all(matrix, store, summary, scorer)
-            if matrix.preset.rounds:
-                _time_all(matrix, pool[0], store, summary, rendering, facts.cpu)
-            _count(matrix, store, summary, rendering)
-            store.compact()
-            summary.wall = time.perf_counter() - start
-            wall = {"total": summary.wall, "rest": summary.rest, **summary.spent}
-            store.write_run(msgspec.structs.replace(facts, wall=wall))
-        finally:
-            for worker in pool:
-                worker.stop()
+        admission = _Admission(store)
+        executor.admit(admission.check)
+        request = CollectFacts(list(map(printable, sys.argv)), matrix.seed, list(matrix.methods))
+        facts = executor.ask(request, FactsCollected).facts
+        store.write_run(facts)
+        store.write_config(matrix.config)
+        resume = Resume(store, admission.renderer, matrix.force)
+        rendering = Rendering(matrix, resume, on_record, on_line)
+        rendering.run(executor)
+        for spent in rendering.spent:
+            summary.add(spent)
+        executor.rest()
+        _score_all(matrix, store, summary, scorer)
+        if matrix.preset.rounds:
+            _time_all(matrix, executor, store, summary, rendering, facts.cpu)
+        _count(matrix, store, summary, rendering)
+        store.compact()
+        summary.wall = time.perf_counter() - start
+        wall = {"total": summary.wall, "rest": summary.rest, **summary.spent}
+        store.write_run(msgspec.structs.replace(facts, wall=wall))
     return summary
+
+
+class _Admission:
+    """Admits workers of one renderer: that of the folder's cells, else that of the first worker."""
+
+    def __init__(self, store: Store) -> None:
+        self._store = store
+        self._renderer: Renderer | None = None
+
+    @property
+    def renderer(self) -> Renderer:
+        """The renderer of all workers that were admitted."""
+        assert self._renderer is not None
+        return self._renderer
+
+    def check(self, worker: Worker) -> None:
+        """Raise `OitbenchError` if a worker cannot render, or renders with something else."""
+        found = worker.ask(Hello(), Greeting, retry=True).gl
+        self._store.check_renderer(found.renderer)
+        self._renderer = self._renderer or found
+        if found != self._renderer:
+            raise UsageError(
+                f"it renders with '{found.renderer}', {found.version}, and the others with"
+                f" '{self._renderer.renderer}', {self._renderer.version}; use another folder for it"
+            )
 
 
 def _count(matrix: Matrix, store: Store, summary: Summary, rendering: Rendering) -> None:
@@ -202,7 +223,7 @@ def _score_all(matrix: Matrix, store: Store, summary: Summary, scorer: Scorer) -
 
 def _time_all(
     matrix: Matrix,
-    worker: WorkerProcess,
+    executor: Executor,
     store: Store,
     summary: Summary,
     rendering: Rendering,
@@ -214,7 +235,7 @@ def _time_all(
     def ask(cells: list[ScoredCell]) -> list[Timing]:
         limit = None if matrix.timeout is None else matrix.timeout * len(cells)
         request = TimeCells(cells, schedule.rounds, schedule.budget, schedule.seed)
-        reply = worker.ask(request, CellsTimed, limit)
+        reply = executor.ask(request, CellsTimed, limit)
         summary.add(reply.spent)
         return reply.timings
 

@@ -10,8 +10,8 @@ import numpy as np
 
 from oitbench.image import values
 from oitbench.image.values import Picture, Values
+from oitbench.matrix.lone_worker import lone_worker
 from oitbench.matrix.plan import CELL_SECONDS
-from oitbench.matrix.pool import lone_worker
 from oitbench.matrix.worker import ALL, LIST, DrawTargets, TargetFacts, TargetsDrawn
 from oitbench.method.ablation import REQUESTED
 from oitbench.shading import read_shading

@@ -11,12 +11,14 @@ import numpy as np
 from msgspec import Struct
 
 from oitbench.errors import UsageError
+from oitbench.executors.executor import Far, Settings
 from oitbench.gl.frame import Frame
 from oitbench.gl.frame_targets import choose, targets_of
 from oitbench.gl.limits import check_size
 from oitbench.gl.uploaded_scene import UploadedScene
 from oitbench.image import files
 from oitbench.image.values import Show
+from oitbench.matrix import machine
 from oitbench.matrix.bench import Bench
 from oitbench.matrix.cell import Cell, choose_effects
 from oitbench.matrix.timed_cells import ScoredCell, Timing
@@ -24,7 +26,7 @@ from oitbench.measure.rounds import Schedule
 from oitbench.method.declaration import Method
 from oitbench.places import PluginFiles
 from oitbench.plugins import Collection
-from oitbench.results.schema import Fingerprints, Record, Renderer
+from oitbench.results.schema import Fingerprints, Record, Renderer, RunFacts
 from oitbench.shading import read_shading
 from oitbench.views import MAIN
 from oitbench.workers.serve import OnStep, serve
@@ -33,15 +35,16 @@ LIST, ALL = "list", "all"
 """In place of the names of targets: only their facts, and all that can be read."""
 
 
-class Settings(Struct, frozen=True):
-    """The files of plugins, and the results folder."""
-
-    plugins: PluginFiles
-    folder: Path
-
-
 class Hello(Struct, frozen=True, tag=True):
     """Asks for a greeting."""
+
+
+class CollectFacts(Struct, frozen=True, tag=True):
+    """Asks for the facts of a run; see `oitbench.matrix.machine.collect`."""
+
+    argv: list[str]
+    seed: int
+    methods: list[str]
 
 
 class IdentifyCells(Struct, frozen=True, tag=True):
@@ -98,6 +101,12 @@ class Greeting(Struct, frozen=True, tag=True):
     gl: Renderer
 
 
+class FactsCollected(Struct, frozen=True, tag=True):
+    """The facts of the machine on which the process runs, and of the run."""
+
+    facts: RunFacts
+
+
 class CellsIdentified(Struct, frozen=True, tag=True):
     """Fingerprints in the order of the request; None for a scene or a method that is broken."""
 
@@ -143,16 +152,33 @@ class TargetsDrawn(Struct, frozen=True, tag=True):
     targets: list[TargetFacts]
 
 
-Request = Hello | IdentifyCells | RunCell | TimeCells | DrawPicture | DrawTargets
-Reply = Greeting | CellsIdentified | CellDone | CellsTimed | PictureDrawn | TargetsDrawn
+Request = Hello | CollectFacts | IdentifyCells | RunCell | TimeCells | DrawPicture | DrawTargets
+Reply = (
+    Greeting
+    | FactsCollected
+    | CellsIdentified
+    | CellDone
+    | CellsTimed
+    | PictureDrawn
+    | TargetsDrawn
+)
 
 
-def _begin(settings: Settings, on_step: OnStep) -> Callable[[Request], Reply]:
+def far_end(plugins: PluginFiles, folder: Path) -> Far:
+    """Return the process of this file, which writes images below `folder`."""
+    return Far(__name__, Settings(plugins, folder), Reply, Hello())
+
+
+def begin(settings: Settings, on_step: OnStep) -> Callable[[Request], Reply]:
+    """Return the function that answers."""
     bench = Bench(Collection(settings.plugins.places()), settings.folder, on_step)
 
     def answer(request: Request) -> Reply:
         if isinstance(request, Hello):
             return Greeting(bench.gl)
+        if isinstance(request, CollectFacts):
+            argv, seed, methods = request.argv, request.seed, request.methods
+            return FactsCollected(machine.collect(bench.gl, argv=argv, seed=seed, methods=methods))
         if isinstance(request, IdentifyCells):
             return CellsIdentified([bench.identities.find(cell) for cell in request.cells])
         if isinstance(request, RunCell):
@@ -218,4 +244,4 @@ def _draw_targets(bench: Bench, request: DrawTargets) -> TargetsDrawn:
 
 def main() -> None:
     """Serve the process that started this one."""
-    serve(Settings, Request, _begin)
+    serve(Settings, Request, begin)

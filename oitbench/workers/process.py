@@ -30,6 +30,8 @@ _START = (
     "from importlib import import_module; import_module(sys.argv[1]).main()"
 )
 _STARTING = Step("starting")
+_FROM_OUTSIDE = (-signal.SIGKILL, -signal.SIGTERM)
+"""Exit codes of processes that did not end by themselves."""
 _HINTS: dict[int, str] = {
     signal.SIGKILL: ", perhaps by the system for lack of memory",
     signal.SIGBUS: ", perhaps because a disk is full",
@@ -43,7 +45,8 @@ class WorkerError(OitbenchError):
     ----------
     reason : str
     cause : str
-        "timeout", "memory", "fault" (an exception) or "ended".
+        "timeout", "memory", "fault" (an exception), "killed" (from outside), "ended", or "lost"
+        (with its machine).
     step : Step, optional
         The part of the work during which it happened.
     """
@@ -51,11 +54,15 @@ class WorkerError(OitbenchError):
     def __init__(
         self,
         reason: str,
-        cause: Literal["timeout", "memory", "fault", "ended"],
+        cause: Literal["timeout", "memory", "fault", "killed", "ended", "lost"],
         step: Step | None = None,
     ) -> None:
         super().__init__(f"{reason} while {step.name}" if step else reason)
-        self.cause, self.step = cause, step
+        self.reason, self.cause, self.step = reason, cause, step
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Let another machine send the error."""
+        return type(self), (self.reason, self.cause, self.step)
 
     @property
     def timeout(self) -> bool:
@@ -123,7 +130,8 @@ class Process:
         step : Step, optional
             The step with which the work begins.
         retry : bool
-            Ask once more if the process ends, as one does that was killed from outside.
+            Ask once more if the process ends by itself, too. One that was killed from outside costs
+            only time in any case.
 
         Raises
         ------
@@ -135,7 +143,7 @@ class Process:
         try:
             reply = self._exchange(self.start(), request, timeout, step)
         except WorkerError as error:
-            if not retry or error.cause != "ended":
+            if error.cause != "killed" and not (retry and error.cause == "ended"):
                 raise
             reply = self._exchange(self.start(), request, timeout, step)
         assert isinstance(reply, kind), reply
@@ -151,6 +159,12 @@ class Process:
                     self._running.kill()
                 self._running = _Running(self._module, self._settings, self._memory_limit)
             return self._running
+
+    def rest(self) -> None:
+        """Kill the process, which must be idle; the next request starts it again."""
+        with self._lock:
+            if self._running is not None:
+                self._running.kill()
 
     def stop(self) -> None:
         """Kill the process and its children, for good; any thread may call this."""
@@ -236,7 +250,9 @@ class _Running:
                     raise WorkerError(f"took longer than {timeout:g} s", "timeout", step) from None
                 continue
             if line is None:
-                raise WorkerError(_describe_end(self._wait()), "ended", step)
+                code = self._wait()
+                cause: Literal["killed", "ended"] = "killed" if code in _FROM_OUTSIDE else "ended"
+                raise WorkerError(_describe_end(code), cause, step)
             return line
 
     def kill(self) -> int:

@@ -200,7 +200,7 @@ def test_a_frame_beyond_the_limit_of_the_driver_fails(plugins: Path, tmp_path: P
 def test_plans_are_checked_before_anything_is_written(plugins: Path, tmp_path: Path) -> None:
     for wrong, message in (
         ({"size": (0, 5)}, "size 0x5"),
-        ({"workers": 0}, "workers 0"),
+        ({"workers": -1}, "workers is -1"),
         ({"timeout": 0.0}, "timeout is 0 s"),
         ({"preset": "huge"}, "unknown preset 'huge'"),
         ({"effects": ("-fog",)}, "unknown effect 'fog'"),

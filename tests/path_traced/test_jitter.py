@@ -11,7 +11,7 @@ import pytest
 from oitbench.modeling.mesh import sphere
 from oitbench.path_traced.export.view import View
 from oitbench.path_traced.matched.render import matched
-from oitbench.path_traced.references import rendering
+from oitbench.path_traced.references import pieces, rendering
 from oitbench.scene import (
     Camera,
     DirectionalLight,
@@ -74,8 +74,8 @@ def test_each_sample_has_its_own_jitter(monkeypatch: pytest.MonkeyPatch) -> None
 def test_only_random_refraction_is_jittered(lit: bool, monkeypatch: pytest.MonkeyPatch) -> None:
     scene = ball(SUN if lit else EnvironmentLight())
     found = []
-    monkeypatch.setattr(rendering, "matched", lambda *_, jitter, **__: found.append(jitter))
-    rendering.render_part(scene, rendering.plan_rendering(wanted(scene, MATCHED)), 3)
+    monkeypatch.setattr(pieces, "matched", lambda *_, jitter, **__: found.append(jitter))
+    pieces.render_part(scene, rendering.plan_rendering(wanted(scene, MATCHED)), 3)
     assert found == [lit]
 
 

@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from oitbench.modeling.mesh import quad
-from oitbench.path_traced.trace.render import Estimate, render
+from oitbench.path_traced.trace.render import render
+from oitbench.path_traced.trace.sections import Estimate
 from oitbench.scene import (
     RGB,
     Camera,

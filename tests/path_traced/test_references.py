@@ -13,7 +13,7 @@ from oitbench.effects import Effect
 from oitbench.errors import SceneError, UsageError
 from oitbench.image import stored
 from oitbench.modeling.mesh import sphere
-from oitbench.path_traced.references import lookup, rendering, storage
+from oitbench.path_traced.references import lookup, pieces, rendering, storage
 from oitbench.path_traced.references.check import check, failure_folder
 from oitbench.path_traced.references.storage import Reference, Rendering
 from oitbench.path_traced.references.wanted import PART_SSAA, REFRACTED_SSAA
@@ -183,13 +183,13 @@ def test_without_noise_the_z_test_accepts_rounding_to_half_floats_only() -> None
 def test_the_noise_floor_is_half_the_difference_of_the_halves() -> None:
     first = np.full((16, 16, 3), 0.5, dtype=np.float32)
     second = first + np.float32(0.25)
-    floor = rendering.noise_floor((first, second), 0.0)
+    floor = pieces.noise_floor((first, second), 0.0)
     assert floor["rmse_lin"] == pytest.approx(0.125)
     assert floor["flip_hdr@67ppd"] is not None
     flip = floor["flip_ldr@67ppd"]
     assert flip is not None
     assert flip > 0.01
-    none = rendering.noise_floor((first, first), 0.0)
+    none = pieces.noise_floor((first, first), 0.0)
     assert set(none.values()) == {0}
 
 
@@ -342,6 +342,6 @@ def test_a_matched_picture_has_no_floor_or_that_of_its_parts(tmp_path: Path) -> 
     assert check(scene, back, tmp_path / "out").passed
     bad = dataclasses.replace(back, parts=(back.mean + np.float32(0.02),))
     assert not check(scene, bad, tmp_path / "out").passed
-    floor = rendering.noise_floor(make_matched(scene).parts, 0.0)
+    floor = pieces.noise_floor(make_matched(scene).parts, 0.0)
     # Uniform noise has a deviation of 1/√12, and the mean of eight a √8 times smaller one.
     assert floor["rmse_lin"] == pytest.approx(1 / (12 * 8) ** 0.5, rel=0.1)

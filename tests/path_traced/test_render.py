@@ -12,7 +12,8 @@ from oitbench.modeling.mesh import box, quad
 from oitbench.path_traced import llvm
 from oitbench.path_traced.trace.integrators import is_straight
 from oitbench.path_traced.trace.path_tracer import is_random
-from oitbench.path_traced.trace.render import _Statistics, render
+from oitbench.path_traced.trace.render import Tracing, render
+from oitbench.path_traced.trace.sections import Section, estimate
 from oitbench.scene import Camera, DirectionalLight, FragmentLists, Material, Object, Scene
 from tests.path_traced.agreement import needs_mitsuba
 
@@ -29,14 +30,25 @@ def _scene(material: Material) -> Scene:
 
 def test_statistics_equal_those_of_numpy() -> None:
     samples = np.random.default_rng(2).random((5, 2, 3, 3)).astype(np.float32)
-    statistics = _Statistics()
-    for sample in samples:
-        statistics.add(sample)
-    estimate = statistics.estimate(5)
-    np.testing.assert_allclose(estimate.mean, samples.mean(axis=0), rtol=1e-6)
-    np.testing.assert_allclose(estimate.variance, samples.var(axis=0, ddof=1) / 5, rtol=1e-5)
-    np.testing.assert_allclose(estimate.halves[0], samples[::2].mean(axis=0), rtol=1e-6)
-    np.testing.assert_allclose(estimate.halves[1], samples[1::2].mean(axis=0), rtol=1e-6)
+    sections = [Section.empty((3, 2)) for _ in range(3)]
+    for number, sample in enumerate(samples):
+        sections[number // 2].add(sample, number % 2, 1)
+    found = estimate(sections)
+    np.testing.assert_allclose(found.mean, samples.mean(axis=0), rtol=1e-6)
+    np.testing.assert_allclose(found.variance, samples.var(axis=0, ddof=1) / 5, rtol=1e-5)
+    np.testing.assert_allclose(found.halves[0], samples[::2].mean(axis=0), rtol=1e-6)
+    np.testing.assert_allclose(found.halves[1], samples[1::2].mean(axis=0), rtol=1e-6)
+
+
+def test_sections_share_all_groups_in_order() -> None:
+    scene = _scene(GLASS)
+    for spp in (2, 7, 8, 30):
+        tracing = Tracing((4, 4), 1, spp, 1)
+        count = tracing.sections(scene)
+        assert count == min(8, spp)
+        sections = [tracing.groups(scene, number) for number in range(count)]
+        assert [group for section in sections for group in section] == list(range(spp))
+        assert all(sections)
 
 
 @needs_mitsuba

@@ -16,6 +16,8 @@ from oitbench.errors import UsageError
 from oitbench.workers.messages import Step
 from oitbench.workers.serve import OnStep, serve
 
+_NEW = os.O_CREAT | os.O_EXCL
+
 
 class Word(Struct, frozen=True):
     """The settings: a word that the worker repeats."""
@@ -74,9 +76,17 @@ def _act(action: str, on_step: OnStep) -> str:
             raise ZeroDivisionError("by nought")
         case "quit":
             sys.exit("enough")
+        case "be killed":
+            os.kill(os.getpid(), signal.SIGKILL)
+        case text if text.startswith("be killed at first, by "):
+            try:
+                os.close(os.open(text.removeprefix("be killed at first, by "), _NEW))
+            except FileExistsError:
+                return "second"
+            os.kill(os.getpid(), signal.SIGKILL)
         case text if text.startswith("exit at first, by "):
             try:
-                os.close(os.open(text.removeprefix("exit at first, by "), os.O_CREAT | os.O_EXCL))
+                os.close(os.open(text.removeprefix("exit at first, by "), _NEW))
             except FileExistsError:
                 return "second"
             os._exit(7)

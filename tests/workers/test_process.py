@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import os
+import pickle
 import signal
 import subprocess
 import sys
@@ -18,6 +19,7 @@ import pytest
 from oitbench.errors import UsageError
 from oitbench.workers import memory
 from oitbench.workers.memory import available
+from oitbench.workers.messages import Step
 from oitbench.workers.process import Process, WorkerError
 from tests.workers.far import Act, Done, Word
 
@@ -204,3 +206,27 @@ def test_a_container_may_have_less_memory_than_the_machine(tmp_path: Path) -> No
     assert available(tmp_path) == whole
     (tmp_path / "memory.max").write_text("1048576\n")
     assert available(tmp_path) == 2**20
+
+
+def test_a_process_that_is_killed_from_outside_is_asked_once_more(
+    worker: Process, tmp_path: Path
+) -> None:
+    mark = tmp_path / "mark"
+    assert worker.ask(Act(f"be killed at first, by {mark}"), Done, 60.0).text == "second!"
+    with pytest.raises(WorkerError, match="signal 9") as caught:
+        worker.ask(Act("be killed"), Done, 60.0)
+    assert caught.value.cause == "killed"
+
+
+def test_a_process_that_rests_is_started_again(worker: Process) -> None:
+    before = int(answer(worker, "number"))
+    worker.rest()
+    wait_until_gone(before)
+    assert int(answer(worker, "number")) != before
+
+
+def test_errors_can_be_sent_between_machines() -> None:
+    error = WorkerError("took longer than 3 s", "timeout", Step("digging", shared=True))
+    copy = pickle.loads(pickle.dumps(error))
+    assert str(copy) == str(error) == "took longer than 3 s while digging"
+    assert (copy.cause, copy.shared) == ("timeout", True)

@@ -13,7 +13,7 @@ import numpy as np
 from oitbench.filenames import file_name
 from oitbench.image import files as images
 from oitbench.image.files import Image
-from oitbench.path_traced.references.rendering import render_part
+from oitbench.path_traced.references.pieces import render_part
 from oitbench.path_traced.references.storage import Reference
 from oitbench.path_traced.references.z_test import ZTest, z_test
 from oitbench.path_traced.trace.render import Progress, render

@@ -1,4 +1,4 @@
-"""Rendering a reference: the number of samples, the progress bar and the noise floor."""
+"""Rendering a reference: the number of samples, and the progress bar."""
 
 from __future__ import annotations
 
@@ -7,17 +7,16 @@ import time
 from collections.abc import Callable
 from typing import TypeVar
 
-from oitbench.effects import Effect, effects_of, names
+from oitbench.effects import Effect, names
 from oitbench.fingerprints.scene import scene_fingerprint
-from oitbench.image import metrics, ties
-from oitbench.image.files import Image
+from oitbench.image import ties
 from oitbench.path_traced import llvm
 from oitbench.path_traced.matched.render import is_random as matched_is_random
-from oitbench.path_traced.matched.render import matched
+from oitbench.path_traced.references.pieces import Piece, Pieces, assemble
 from oitbench.path_traced.references.storage import Reference, Rendering
 from oitbench.path_traced.references.wanted import Wanted
 from oitbench.path_traced.trace.path_tracer import is_random
-from oitbench.path_traced.trace.render import Estimate, Progress, render
+from oitbench.path_traced.trace.render import Progress
 from oitbench.path_traced.trace.samples import default_samples
 from oitbench.path_traced.version import TRACER
 from oitbench.scene import Scene
@@ -48,30 +47,6 @@ def matched_spp(effects: Effect, grid: int) -> int:
     """
     rays = max((count for effect, count in MATCHED_RAYS.items() if effect in effects), default=1)
     return math.ceil(rays / grid**2)
-
-
-def noise_floor(parts: tuple[Image, ...], exposure: float) -> dict[str, float | None]:
-    """Return the error that the noise of a reference causes, by metric.
-
-    Parameters
-    ----------
-    parts : tuple of array, shape (h, w, 3)
-        Independent means of equally many samples.
-    exposure : float
-        Of the scene.
-    """
-
-    def ldr(image: Image, truth: Image) -> float:
-        return metrics.flip_ldr(truth, image, exposure) or 0.0
-
-    def hdr(image: Image, truth: Image) -> float:
-        return metrics.flip_hdr(truth, image, exposure) or 0.0
-
-    def rmse(image: Image, truth: Image) -> float:
-        return metrics.rmse(truth, image) or 0.0
-
-    measures = {metrics.FLIP_LDR: ldr, metrics.FLIP_HDR: hdr, metrics.RMSE: rmse}
-    return {name: ties.noise_floor(parts, metric) for name, metric in measures.items()}
 
 
 def plan_rendering(wanted: Wanted, spp: int | None = None, seed: int = 1) -> Rendering:
@@ -117,49 +92,21 @@ def render_reference(
     scene : Scene
     rendering : Rendering
     progress : callable
-        See `trace.render.Progress`; of a matched reference, it counts parts.
+        See `Pieces.render`.
 
     Raises
     ------
     UsageError, CapabilityError, SceneError
         As `trace.render.render` does.
     """
-    start = time.perf_counter()
+    start, pieces = time.perf_counter(), Pieces(scene, rendering)
     label = f"tracing {seen(rendering.scene, rendering.view)} ({rendering.truth})"
-    if rendering.truth == MATCHED:
-        parts = _with_bar(label, lambda show: _render_parts(scene, rendering, show), progress)
-        floor = noise_floor(parts, scene.exposure)
-        return Reference(rendering, floor, time.perf_counter() - start, parts)
-    estimate = _with_bar(label, lambda show: _render_full(scene, rendering, show), progress)
-    floor = noise_floor(estimate.halves, scene.exposure)
-    seconds = time.perf_counter() - start
-    return Reference(rendering, floor, seconds, (estimate.mean,), estimate.variance)
 
+    def work(show: Progress) -> list[Piece]:
+        return [pieces.render(number, show) for number in range(pieces.count)]
 
-def render_part(scene: Scene, rendering: Rendering, number: int) -> Image:
-    """Return a part of a matched reference, the same in every call."""
-    return matched(
-        scene,
-        rendering.size,
-        rendering.ssaa,
-        effects_of(rendering.effects),
-        samples=rendering.spp,
-        part=rendering.seed * ties.PARTS + number,
-        jitter=rendering.jitter,
-    )
-
-
-def _render_parts(scene: Scene, rendering: Rendering, progress: Progress) -> tuple[Image, ...]:
-    parts = []
-    for number in range(rendering.parts):
-        parts.append(render_part(scene, rendering, number))
-        progress(number + 1, rendering.parts)
-    return tuple(parts)
-
-
-def _render_full(scene: Scene, rendering: Rendering, progress: Progress) -> Estimate:
-    spp = max(2, rendering.spp)
-    return render(scene, rendering.size, rendering.ssaa, spp, rendering.seed, progress)
+    found = _with_bar(label, work, progress)
+    return assemble(rendering, found, scene.exposure, time.perf_counter() - start)
 
 
 def _with_bar(label: str, work: Callable[[Progress], _Result], progress: Progress) -> _Result:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable
 from pathlib import Path
 
@@ -9,9 +10,12 @@ from msgspec import Struct
 
 from oitbench.effects import effects_of
 from oitbench.errors import UsageError
-from oitbench.path_traced.references import lookup, storage
+from oitbench.executors.executor import Far, Settings
+from oitbench.fingerprints.scene import scene_fingerprint
+from oitbench.path_traced.references import lookup, pieces
 from oitbench.path_traced.references.check import check, failure_folder
-from oitbench.path_traced.references.rendering import plan_rendering, render_reference
+from oitbench.path_traced.references.pieces import Pieces
+from oitbench.path_traced.references.rendering import plan_rendering
 from oitbench.path_traced.references.storage import Rendering
 from oitbench.path_traced.references.wanted import Wanted
 from oitbench.path_traced.trace.render import Progress
@@ -46,13 +50,21 @@ class Job(Struct, frozen=True):
         return Wanted(scene, self.scene, self.size, self.ssaa, self.truth, ~gone, self.view)
 
 
-class RenderReference(Struct, frozen=True, tag=True):
-    """Asks for a reference, which is stored in `folder`; see `plan_rendering`."""
+class PlanReference(Struct, frozen=True, tag=True):
+    """Asks how a reference is rendered; see `plan_rendering`."""
 
     job: Job
     spp: int | None
     seed: int
-    folder: Path
+
+
+class RenderPiece(Struct, frozen=True, tag=True):
+    """Asks for a piece of a reference, as the file `name` of the folder; see `pieces`."""
+
+    job: Job
+    rendering: Rendering
+    number: int
+    name: str
 
 
 class CheckReference(Struct, frozen=True, tag=True):
@@ -68,11 +80,17 @@ class CheckReference(Struct, frozen=True, tag=True):
     adopts: bool
 
 
-class ReferenceRendered(Struct, frozen=True, tag=True):
-    """The rendering of the reference, its noise floor by metric, and its wall-clock seconds."""
+class ReferencePlanned(Struct, frozen=True, tag=True):
+    """The rendering of the reference, the number of its pieces, and the scene's exposure."""
 
     rendering: Rendering
-    noise_floor: dict[str, float | None]
+    pieces: int
+    exposure: float
+
+
+class PieceRendered(Struct, frozen=True, tag=True):
+    """The wall-clock seconds of the piece."""
+
     seconds: float
 
 
@@ -104,33 +122,71 @@ class ReferenceChecked(Struct, frozen=True, tag=True):
         return passed and (self.adopted or not self.unusable)
 
 
-Request = RenderReference | CheckReference
-Reply = ReferenceRendered | ReferenceChecked
+Request = PlanReference | RenderPiece | CheckReference
+Reply = ReferencePlanned | PieceRendered | ReferenceChecked
 
 
-def _begin(files: PluginFiles, on_step: OnStep) -> Callable[[Request], Reply]:
-    collection = Collection(files.places())
+def far_end(plugins: PluginFiles, folder: Path) -> Far:
+    """Return the process of this file, which writes pieces into `folder`."""
+    return Far(__name__, Settings(plugins, folder), Reply)
 
-    def progress(done: int, count: int) -> None:
-        # Each sample is a step, so that long renderings are not taken for endless ones.
-        on_step(_TRACING)
+
+def begin(settings: Settings, on_step: OnStep) -> Callable[[Request], Reply]:
+    """Return the function that answers."""
+    easel = _Easel(settings, on_step)
 
     def answer(request: Request) -> Reply:
-        on_step(_BUILDING)
-        scene = collection.build_scene(request.job.scene).from_view(request.job.view)
+        scene = easel.scene(request.job)
         on_step(_TRACING)
-        if isinstance(request, RenderReference):
-            return _render(scene, request, progress)
-        return _check(scene, request, collection.folders, progress)
+        if isinstance(request, PlanReference):
+            rendering = plan_rendering(request.job.wanted(scene), request.spp, request.seed)
+            return ReferencePlanned(rendering, Pieces(scene, rendering).count, scene.exposure)
+        if isinstance(request, RenderPiece):
+            return easel.render(request)
+        return _check(scene, request, easel.folders, easel.progress)
 
     return answer
 
 
-def _render(scene: Scene, request: RenderReference, progress: Progress) -> ReferenceRendered:
-    rendering = plan_rendering(request.job.wanted(scene), request.spp, request.seed)
-    reference = render_reference(scene, rendering, progress)
-    storage.save(request.folder, reference)
-    return ReferenceRendered(rendering, reference.noise_floor, reference.seconds)
+class _Easel:
+    """The last scene and its last reference, which consecutive requests share."""
+
+    def __init__(self, settings: Settings, on_step: OnStep) -> None:
+        self._collection = Collection(settings.plugins.places())
+        self.folders = self._collection.folders
+        self._folder, self._on_step = settings.folder, on_step
+        self._built: tuple[str, str] | None = None
+        self._pieces: tuple[Rendering, Pieces] | None = None
+
+    def progress(self, done: int, count: int) -> None:
+        """Begin a step with each sample, so that long renderings are not taken for endless ones."""
+        self._on_step(_TRACING)
+
+    def scene(self, job: Job) -> Scene:
+        """Return the scene of a job as seen from its view."""
+        if self._built != (job.scene, job.view):
+            self._built = self._pieces = None
+            self._on_step(_BUILDING)
+            self._scene = self._collection.build_scene(job.scene).from_view(job.view)
+            self._built = job.scene, job.view
+        return self._scene
+
+    def render(self, request: RenderPiece) -> PieceRendered:
+        """Render a piece of the scene that was built last, and write it.
+
+        Raises
+        ------
+        UsageError
+            The scene's files have changed since the reference was planned.
+        """
+        start = time.perf_counter()
+        if scene_fingerprint(self._scene) != request.rendering.fingerprint:
+            raise UsageError(f"{request.job.scene}: its files changed meanwhile; run again")
+        if self._pieces is None or self._pieces[0] != request.rendering:
+            self._pieces = request.rendering, Pieces(self._scene, request.rendering)
+        piece = self._pieces[1].render(request.number, self.progress)
+        pieces.write(self._folder / request.name, piece)
+        return PieceRendered(time.perf_counter() - start)
 
 
 def _check(
@@ -158,4 +214,4 @@ def _check(
 
 def main() -> None:
     """Serve the process that started this one."""
-    serve(PluginFiles, Request, _begin)
+    serve(Settings, Request, begin)

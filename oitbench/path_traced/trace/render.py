@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from types import ModuleType
 from typing import Any
 
 import numpy as np
@@ -21,6 +20,7 @@ from oitbench.path_traced.trace.integrators import (
     trace,
 )
 from oitbench.path_traced.trace.path_tracer import is_random
+from oitbench.path_traced.trace.sections import SECTIONS, Estimate, Section, estimate
 from oitbench.path_traced.trace.sequence import Turn, seed_of
 from oitbench.scene import Scene
 
@@ -33,28 +33,43 @@ _MAPS = 16
 """Caustic maps over which an image is averaged, if it has that many samples."""
 
 
-@dataclass(frozen=True, eq=False)
-class Estimate:
-    """A path-traced image.
+@dataclass(frozen=True)
+class Tracing:
+    """The settings of an image; see `render`."""
 
-    Parameters
-    ----------
-    mean : array, shape (h, w, 3), float32
-        Linear Rec.709 radiance, top row first.
-    variance : array, shape (h, w, 3), float32
-        Variance of that mean, or more: samples of one half are spread evenly (see `sequence`), so
-        that their mean varies less than that of independent ones.
-    halves : pair of array, shape (h, w, 3), float32
-        Means of the even and of the odd samples; with caustics, of the samples of the even and of
-        the odd caustic maps. They are independent.
-    spp : int
-        Samples that were taken for each sub-pixel.
-    """
-
-    mean: Image
-    variance: Image
-    halves: tuple[Image, Image]
+    size: tuple[int, int]
+    ssaa: int
     spp: int
+    seed: int
+
+    def __post_init__(self) -> None:
+        if min(self.size) < 1:
+            width, height = self.size
+            raise UsageError(f"size {width}x{height} is empty; both sides must be at least 1")
+        if self.ssaa < 1:
+            raise UsageError(f"ssaa is {self.ssaa}; it must be at least 1")
+        if self.spp < 2:
+            raise UsageError(f"spp is {self.spp}; the noise floor needs at least 2 samples")
+
+    def samples(self, scene: Scene) -> int:
+        """Return the number of samples for each sub-pixel."""
+        return self.spp if is_random(scene) else 1
+
+    def shared(self, scene: Scene) -> int:
+        """Return how many samples share a caustic map; they form a group."""
+        return -(-self.samples(scene) // _MAPS) if Effect.CAUSTICS in scene.effects else 1
+
+    def sections(self, scene: Scene) -> int:
+        """Return the number of sections of the image."""
+        return min(SECTIONS, self._groups(scene))
+
+    def groups(self, scene: Scene, number: int) -> range:
+        """Return the numbers of the groups of a section."""
+        count, sections = self._groups(scene), self.sections(scene)
+        return range(count * number // sections, count * (number + 1) // sections)
+
+    def _groups(self, scene: Scene) -> int:
+        return -(-self.samples(scene) // self.shared(scene))
 
 
 def render(
@@ -98,86 +113,72 @@ def render(
     SceneError
         If the radiance of a ray is not finite.
     """
-    _check(size, ssaa, spp)
-    scene = scene.resolved(size[1] * ssaa).near_origin()
-    mitsuba = llvm.load(variant)
-    view = View(scene.camera, size[0] * ssaa, size[1] * ssaa)
-    content, make = prepare(scene, view, mitsuba, seed)
-    samples = spp if is_random(scene) else 1
-    shared = -(-samples // _MAPS) if Effect.CAUSTICS in scene.effects else 1
-    statistics, taken = _Statistics(), [0, 0]
-    for group, first in enumerate(range(0, samples, shared)):
-        integrator, half = make(first), group % 2
-        total: Any = 0.0
-        last = min(first + shared, samples)
-        for sample in range(first, last):
-            turn = Turn(0, seed_of(seed, half), taken[half], 0, view.width, ssaa)
-            image = _sample(mitsuba, integrator, content, view, (seed, sample), turn)
-            taken[half] += 1
-            require_finite_rays(scene, image)
-            total = total + box_downsample(image, ssaa)
-            if progress is not None:
-                progress(sample + 1, samples)
-        statistics.add(total / (last - first))
-    return statistics.estimate(samples)
+    tracer = Tracer(scene, Tracing(size, ssaa, spp, seed), variant)
+    count = tracer.tracing.sections(scene)
+    return estimate([tracer.section(number, progress) for number in range(count)])
 
 
-def _sample(
-    mitsuba: ModuleType,
-    integrator: Integrator,
-    content: Any,
-    view: View,
-    key: tuple[int, int],
-    turn: Turn,
-) -> Image:
-    """Return one sample of each sub-pixel, shape (h, w, 3).
+class Tracer:
+    """A scene that is ready to be traced.
 
-    `key` holds the seed and the number of the sample.
+    Parameters
+    ----------
+    scene, variant
+        See `render`.
+    tracing : Tracing
     """
-    count = view.width * view.height
-    image = np.empty((count, 3), dtype=np.float32)
-    for number, first in enumerate(range(0, count, _CHUNK)):
-        last = min(first + _CHUNK, count)
-        turn = replace(turn, seed=seed_of(*key, number), first=first)
-        rays = view.rays(first, last)
-        image[first:last] = trace(mitsuba, integrator, content, rays, turn)
-    return image.reshape(view.height, view.width, 3)
 
+    def __init__(self, scene: Scene, tracing: Tracing, variant: str | None = None) -> None:
+        self.tracing = tracing
+        self._scene = scene.resolved(tracing.size[1] * tracing.ssaa).near_origin()
+        self._mitsuba = llvm.load(variant)
+        width, height = (side * tracing.ssaa for side in tracing.size)
+        self._view = View(scene.camera, width, height)
+        self._content, self._make = prepare(self._scene, self._view, self._mitsuba, tracing.seed)
 
-def _check(size: tuple[int, int], ssaa: int, spp: int) -> None:
-    if min(size) < 1:
-        raise UsageError(f"size {size[0]}x{size[1]} is empty; both sides must be at least 1")
-    if ssaa < 1:
-        raise UsageError(f"ssaa is {ssaa}; it must be at least 1")
-    if spp < 2:
-        raise UsageError(f"spp is {spp}; the noise floor needs at least 2 samples")
+    def section(self, number: int, progress: Progress | None = None) -> Section:
+        """Return a section of the image, which needs nothing of the others.
 
+        Parameters
+        ----------
+        number : int
+        progress : callable, optional
+            See `render`.
 
-class _Statistics:
-    """Running mean and variance over samples, and the means of both halves (Welford 1962)."""
+        Raises
+        ------
+        SceneError
+            If the radiance of a ray is not finite.
+        """
+        tracing, ssaa, seed = self.tracing, self.tracing.ssaa, self.tracing.seed
+        section, shared = Section.empty(tracing.size), tracing.shared(self._scene)
+        samples = tracing.samples(self._scene)
+        for group in tracing.groups(self._scene, number):
+            first, half = group * shared, group % 2
+            integrator = self._make(first)
+            total: Any = 0.0
+            last = min(first + shared, samples)
+            for taken, sample in enumerate(range(first, last), start=group // 2 * shared):
+                turn = Turn(0, seed_of(seed, half), taken, 0, self._view.width, ssaa)
+                image = self._sample(integrator, (seed, sample), turn)
+                require_finite_rays(self._scene, image)
+                total = total + box_downsample(image, ssaa)
+                if progress is not None:
+                    progress(sample + 1, samples)
+            section.add(total / (last - first), half, last - first)
+        return section
 
-    def __init__(self) -> None:
-        self._count = 0
-        self._mean: Any = 0.0
-        self._squares: Any = 0.0
-        self._sums: list[Any] = [0.0, 0.0]
+    def _sample(self, integrator: Integrator, key: tuple[int, int], turn: Turn) -> Image:
+        """Return one sample of each sub-pixel, shape (h, w, 3).
 
-    def add(self, sample: Image) -> None:
-        value = sample.astype(np.float64)
-        self._sums[self._count % 2] = self._sums[self._count % 2] + value
-        self._count += 1
-        offset = value - self._mean
-        self._mean = self._mean + offset / self._count
-        self._squares = self._squares + offset * (value - self._mean)
-
-    def estimate(self, spp: int) -> Estimate:
-        count = self._count
-        mean = self._mean.astype(np.float32)
-        if count == 1:
-            return Estimate(mean, np.zeros_like(mean), (mean, mean), spp)
-        first, second = (
-            (total / number).astype(np.float32)
-            for total, number in zip(self._sums, ((count + 1) // 2, count // 2), strict=True)
-        )
-        variance = self._squares / (count - 1) / count
-        return Estimate(mean, variance.astype(np.float32), (first, second), spp)
+        `key` holds the seed and the number of the sample.
+        """
+        view = self._view
+        count = view.width * view.height
+        image = np.empty((count, 3), dtype=np.float32)
+        for number, first in enumerate(range(0, count, _CHUNK)):
+            last = min(first + _CHUNK, count)
+            turn = replace(turn, seed=seed_of(*key, number), first=first)
+            rays = view.rays(first, last)
+            image[first:last] = trace(self._mitsuba, integrator, self._content, rays, turn)
+        return image.reshape(view.height, view.width, 3)

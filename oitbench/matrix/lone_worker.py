@@ -1,4 +1,4 @@
-"""The near end of a process that renders, scores and times cells."""
+"""A worker process for a single request."""
 
 from __future__ import annotations
 
@@ -8,27 +8,10 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from oitbench.catalog.catalog import Catalog
-from oitbench.matrix.worker import Hello, Reply, Settings
-from oitbench.places import PluginFiles
+from oitbench.executors.processes import LocalWorker
+from oitbench.matrix.worker import far_end
 from oitbench.workers import memory
 from oitbench.workers.process import Process
-
-
-class WorkerProcess(Process):
-    """A worker process; it starts with the first request, and again after it has ended.
-
-    Parameters
-    ----------
-    plugins : PluginFiles
-    folder : Path
-        The results folder.
-    memory_limit : int
-        Bytes that the process and its children may use.
-    """
-
-    def __init__(self, plugins: PluginFiles, folder: Path, memory_limit: int) -> None:
-        settings = Settings(plugins, folder)
-        super().__init__("oitbench.matrix.worker", settings, Reply, memory_limit, Hello())
 
 
 @contextmanager
@@ -52,5 +35,5 @@ def lone_worker(
     limit = memory.limit(memory_gib, 1)
     with tempfile.TemporaryDirectory(prefix="oitbench-") as name:
         folder = Path(name)
-        with WorkerProcess(plugins, folder, limit) as worker:
+        with LocalWorker(far_end(plugins, folder), limit) as worker:
             yield worker, folder

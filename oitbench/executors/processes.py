@@ -1,0 +1,39 @@
+"""Local processes: the default, and the only ones that survive crashes of plugins by themselves."""
+
+from __future__ import annotations
+
+from oitbench.executors.executor import Executor, Far, OnLine
+from oitbench.workers.process import Process
+
+
+class LocalWorker(Process):
+    """A process of this machine; it starts with the first request, and again after it has ended.
+
+    Parameters
+    ----------
+    far : Far
+    memory_limit : int
+        Bytes that the process and its children may use.
+    """
+
+    name = "this machine"
+
+    def __init__(self, far: Far, memory_limit: int) -> None:
+        super().__init__(far.module, far.settings, far.replies, memory_limit, far.greeting)
+
+
+class Processes(Executor):
+    """Processes of this machine.
+
+    Parameters
+    ----------
+    far : Far
+    count : int
+    memory_limit : int
+        Bytes that each of them may use.
+    on_line : callable
+        See `Executor`.
+    """
+
+    def __init__(self, far: Far, count: int, memory_limit: int, on_line: OnLine) -> None:
+        super().__init__([LocalWorker(far, memory_limit) for _ in range(count)], on_line)
