@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import click
 
 from oitbench.cli import config, options
+from oitbench.errors import UsageError
 from oitbench.matrix.plan import CELL_SECONDS
 from oitbench.truths import TRUTHS
 from oitbench.views import MAIN
@@ -93,6 +94,12 @@ if TYPE_CHECKING:
     help="Seed of the order in which frames are timed.",
 )
 @click.option(
+    "--dry-run",
+    is_flag=True,
+    help="Only list the cells, and estimate time, memory and disk space; write nothing.",
+)
+@click.option("--verbose", is_flag=True, help="With --dry-run: list each cell.")
+@click.option(
     "--quiet",
     is_flag=True,
     help="Print only what went wrong, and the last line.",
@@ -118,6 +125,8 @@ def command(
     memory_gib: float | None,
     workers: int,
     seed: int,
+    dry_run: bool,
+    verbose: bool,
     quiet: bool,
     collections: tuple[Path, ...],
 ) -> None:
@@ -129,6 +138,7 @@ def command(
     The exit code is 1 if a cell failed, timed out, is unstable or is suspect, or if a metric of a
     file failed.
     """
+    from oitbench.cli.dry_run import print_plan
     from oitbench.cli.run_end import print_end
     from oitbench.cli.run_progress import RunProgress
     from oitbench.engines import known
@@ -136,11 +146,16 @@ def command(
     from oitbench.matrix.run import run_matrix
     from oitbench.results.schema import TROUBLED
 
+    if verbose and not dry_run:
+        raise UsageError("--verbose needs --dry-run")
     chosen = known.choose(engines)
     matrix = plan_matrix(
         scenes, methods, preset, size, effects, ssaa, out, collections, seed, force,
         timeout, workers, memory_gib, truths, shading, views or (MAIN,), metrics,
     )  # fmt: skip
+    if dry_run:
+        print_plan(matrix, chosen, verbose)
+        return
     matrix = replace(matrix, config=config.text(context, context.params))
     with RunProgress(matrix, quiet) as shown:
         summary = run_matrix(matrix, shown.record, shown.line, shown.stage, shown.timed)

@@ -19,6 +19,7 @@ from oitbench.image import files
 from oitbench.image.values import Show
 from oitbench.matrix.bench import Bench
 from oitbench.matrix.cell import Cell, choose_effects
+from oitbench.matrix.probe import MemoryProbed, ProbeMemory, ProbeTruths, TruthsProbed, probe_truths
 from oitbench.matrix.timed_cells import ScoredCell, Timing
 from oitbench.measure.rounds import Schedule
 from oitbench.method.declaration import Method
@@ -27,6 +28,7 @@ from oitbench.plugins import Collection
 from oitbench.results.schema import Fingerprints, Record, Renderer
 from oitbench.shading import read_shading
 from oitbench.views import MAIN
+from oitbench.workers import memory
 from oitbench.workers.serve import OnStep, serve
 
 LIST, ALL = "list", "all"
@@ -143,8 +145,26 @@ class TargetsDrawn(Struct, frozen=True, tag=True):
     targets: list[TargetFacts]
 
 
-Request = Hello | IdentifyCells | RunCell | TimeCells | DrawPicture | DrawTargets
-Reply = Greeting | CellsIdentified | CellDone | CellsTimed | PictureDrawn | TargetsDrawn
+Request = (
+    Hello
+    | IdentifyCells
+    | RunCell
+    | TimeCells
+    | DrawPicture
+    | DrawTargets
+    | ProbeTruths
+    | ProbeMemory
+)
+Reply = (
+    Greeting
+    | CellsIdentified
+    | CellDone
+    | CellsTimed
+    | PictureDrawn
+    | TargetsDrawn
+    | TruthsProbed
+    | MemoryProbed
+)
 
 
 def _begin(settings: Settings, on_step: OnStep) -> Callable[[Request], Reply]:
@@ -162,6 +182,11 @@ def _begin(settings: Settings, on_step: OnStep) -> Callable[[Request], Reply]:
             return _draw(bench, request)
         if isinstance(request, DrawTargets):
             return _draw_targets(bench, request)
+        if isinstance(request, ProbeTruths):
+            scene = bench.identities.scene(request.cell)
+            return probe_truths(scene, request.cell, bench.collection.folders)
+        if isinstance(request, ProbeMemory):
+            return MemoryProbed(memory.peak())
         schedule = Schedule(request.rounds, request.budget, request.seed)
         return CellsTimed(bench.time(request.cells, schedule), bench.watch.take())
 
