@@ -120,7 +120,7 @@ def estimate(matrix: Matrix, on_stage: OnStage = lambda labels, stage: None) -> 
             return found
         sampler = Sampler(worker, matrix.timeout, matrix.preset.rounds > 0, on_stage)
         methods = {cell.method for scene in due for cell in scene.todo}
-        count = math.ceil(1.5 * len(methods) / len(due))
+        count = math.ceil(len(methods) / len(due))
         count = max(LEAST_SAMPLES, min(MOST_SAMPLES, count))
         samples = [sampler.sample(scene.todo, k, count) for k, scene in enumerate(due)]
         found.unknown = [
