@@ -89,7 +89,7 @@ def _lines(found: Estimate, matrix: Matrix, engines: Sequence[str]) -> list[str]
             for kind, seconds in found.seconds.items()
         ]
         lines += [
-            f"time: about {duration(found.total)} on an idle machine: {', '.join(parts)}",
+            f"time: about {duration(found.total)} on a machine as busy as now: {', '.join(parts)}",
             f"memory: about {found.memory / GIB:.1f} GiB for each worker",
             f"disk: about {_size(found.disk)}; {_size(_free(matrix.out))} are free",
         ]

@@ -60,7 +60,7 @@ class SceneEstimate:
 
 @dataclass
 class Estimate:
-    """What a run would take on an idle machine.
+    """What a run would take on this machine, as busy as it is.
 
     Parameters
     ----------
