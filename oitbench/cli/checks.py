@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable
 
 from msgspec import Struct
@@ -41,12 +42,15 @@ Request = CheckOpenGL | CheckPathTracer
 
 def _open_gl() -> list[Finding]:
     from oitbench.gl.capabilities import CAPABILITIES
+    from oitbench.gl.context import PACKAGES
     from oitbench.gl.device import Device
 
     try:
         device = Device()
     except OitbenchError as error:
-        return [Finding("OpenGL", str(error), well=False)]
+        missing = Finding("OpenGL", str(error), well=False)
+        commands = [Finding("packages", text, well=False) for text in PACKAGES.values()]
+        return [missing, *(commands if sys.platform.startswith("linux") else [])]
     kind = "software: timed by wall clock" if device.software else "hardware: timed by timestamps"
     found = [
         Finding("OpenGL", f"{device.renderer}, {device.version}"),

@@ -23,7 +23,7 @@ else:
 
 Command = TypeVar("Command", bound=Callable[..., Any])
 NAME = "config"
-_ONCE = (NAME, "force", "help")
+_ONCE = (NAME, "force", "help", "dry-run", "verbose", "quiet")
 """Options that are about one run only."""
 
 

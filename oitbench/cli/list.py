@@ -13,7 +13,7 @@ from oitbench.catalog.catalog import Catalog
 from oitbench.catalog.messages import Entry, Kind
 from oitbench.cli import options
 from oitbench.effects import REQUESTED_BY
-from oitbench.errors import OitbenchError, UsageError, unknown
+from oitbench.errors import OitbenchError, UsageError
 from oitbench.measure.survey import SCENE_SECONDS
 from oitbench.method.demands import Demands
 from oitbench.parameters import AnyParameter, text
@@ -25,17 +25,8 @@ KINDS = ("methods", "scenes", "effects", "shading", "reports")
 _SINGULAR: dict[str, Kind] = {"methods": "method", "scenes": "scene", "reports": "report"}
 
 
-def _read_kind(ctx: click.Context, parameter: click.Parameter, value: str | None) -> str | None:
-    """Accept singular and plural."""
-    if value is None or value in KINDS:
-        return value
-    if f"{value}s" in KINDS:
-        return f"{value}s"
-    raise unknown("kind", value, KINDS)
-
-
 @click.command()
-@click.argument("kind", callback=_read_kind, required=False)
+@options.kind(KINDS, required=False)
 @click.option("--json", "as_json", is_flag=True, help="Print the list as JSON.")
 @click.option(
     "--measure",

@@ -10,6 +10,7 @@ from string import Template
 import click
 
 from oitbench.catalog.messages import Kind
+from oitbench.cli import options
 from oitbench.errors import StorageError, UsageError
 from oitbench.places import own_folder
 
@@ -18,7 +19,7 @@ _SUFFIX = ".txt"
 
 
 @click.command()
-@click.argument("kind", type=click.Choice(["method", "scene", "report"]))
+@options.kind(("method", "scene", "report"))
 @click.argument("name")
 @click.option(
     "-o",

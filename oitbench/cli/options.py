@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable
+import webbrowser
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, TypeVar
 
 import click
 
-from oitbench.errors import UsageError
+from oitbench.errors import UsageError, unknown
 from oitbench.method.ablation import EACH, REQUESTED
 from oitbench.shading import PARAMETERS
 from oitbench.views import MAIN
@@ -46,6 +47,23 @@ def size(default: str | None, help_text: str) -> Callable[[Command], Command]:
         callback=_read_size,
         help=help_text,
     )
+
+
+def kind(kinds: Sequence[str], required: bool = True) -> Callable[[Command], Command]:
+    """Return the argument KIND, which may be in the singular or in the plural."""
+
+    def read(ctx: click.Context, parameter: click.Parameter, value: str | None) -> str | None:
+        if value is None:
+            return None
+        for known in (value, f"{value}s", value.removesuffix("s")):
+            if known in kinds:
+                return known
+        raise unknown("kind", value, kinds)
+
+    def complete(ctx: click.Context, parameter: click.Parameter, begun: str) -> list[str]:
+        return [name for name in kinds if name.startswith(begun)]
+
+    return click.argument("kind", callback=read, required=required, shell_complete=complete)
 
 
 def parse_timeout(text: str) -> float | None:
@@ -136,6 +154,15 @@ def ssaa(default: int | None, text: str = "") -> Callable[[Command], Command]:
         show_default=default is not None,
         help=f"Side of the sub-pixel grid of accuracy images. {text}".strip(),
     )
+
+
+open_page = click.option("--open", "opens", is_flag=True, help="Open the page in the browser.")
+
+
+def show_page(path: Path) -> None:
+    """Open a page in the browser; a line says so if there is none."""
+    if not webbrowser.open(path.resolve().as_uri()):
+        click.echo(f"no browser was found; open {path}", err=True)
 
 
 _SETTINGS = "; ".join(f"{name}: {item.help}" for name, item in PARAMETERS.items())

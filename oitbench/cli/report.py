@@ -28,6 +28,7 @@ from oitbench.report.sections import SECONDS
     multiple=True,
     help="Write this section; `oitbench list reports` prints the names. Repeatable. Default: all.",
 )
+@options.open_page
 @options.timeout(SECONDS, "Seconds that each section of the page may take.")
 @options.collections
 def command(
@@ -36,6 +37,7 @@ def command(
     hdr: bool,
     markdown: bool,
     sections: tuple[str, ...],
+    opens: bool,
     timeout: float | None,
     collections: tuple[Path, ...],
 ) -> None:
@@ -66,5 +68,7 @@ def command(
         for reason in page.missing:
             click.echo(f"section left out: {reason}", err=True)
         click.echo(page.path)
+        if opens:
+            options.show_page(page.path)
         missing |= bool(page.missing)
     sys.exit(1 if missing else 0)

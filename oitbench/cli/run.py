@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shlex
 import sys
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -12,6 +11,7 @@ from typing import TYPE_CHECKING
 import click
 
 from oitbench.cli import config, options
+from oitbench.errors import UsageError
 from oitbench.matrix.plan import CELL_SECONDS
 from oitbench.truths import TRUTHS
 from oitbench.views import MAIN
@@ -19,9 +19,6 @@ from oitbench.views import MAIN
 if TYPE_CHECKING:
     from oitbench.engines.record import EngineRow
     from oitbench.matrix.plan import Matrix
-    from oitbench.matrix.run import Summary
-
-_WIDE = 200
 
 
 @click.command()
@@ -91,6 +88,17 @@ _WIDE = 200
     show_default=True,
     help="Seed of the order in which frames are timed.",
 )
+@click.option(
+    "--dry-run",
+    is_flag=True,
+    help="Only list the cells, and estimate time, memory and disk space; write nothing.",
+)
+@click.option("--verbose", is_flag=True, help="With --dry-run: list each cell.")
+@click.option(
+    "--quiet",
+    is_flag=True,
+    help="Print only what went wrong, and the last line.",
+)
 @options.collections
 @click.pass_context
 def command(
@@ -113,6 +121,9 @@ def command(
     workers: int,
     dask: str,
     seed: int,
+    dry_run: bool,
+    verbose: bool,
+    quiet: bool,
     collections: tuple[Path, ...],
 ) -> None:
     """Render scenes with methods, score them against the truths, and account for their cost.
@@ -123,39 +134,29 @@ def command(
     The exit code is 1 if a cell failed, timed out, is unstable or is suspect, or if a metric of a
     file failed.
     """
-    from rich.console import Console
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
-
+    from oitbench.cli.dry_run import print_plan
+    from oitbench.cli.run_end import print_end
+    from oitbench.cli.run_progress import RunProgress
     from oitbench.engines import known
-    from oitbench.matrix.cell import Cell
     from oitbench.matrix.plan import plan_matrix
     from oitbench.matrix.run import run_matrix
-    from oitbench.results.schema import TROUBLED, Record
+    from oitbench.results.schema import TROUBLED
 
+    if verbose and not dry_run:
+        raise UsageError("--verbose needs --dry-run")
     chosen = known.choose(engines)
     matrix = plan_matrix(
         scenes, methods, preset, size, effects, ssaa, out, collections, seed, force,
         timeout, workers, memory_gib, truths, shading, views or (MAIN,), metrics, dask,
     )  # fmt: skip
+    if dry_run:
+        print_plan(matrix, chosen, verbose)
+        return
     matrix = replace(matrix, config=config.text(context, context.params))
-    console = Console(stderr=True, highlight=False, soft_wrap=True)
-    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn())
-    # In a file or a pipe, the bar would end in an empty line.
-    hidden = not console.is_terminal
-    with Progress(*columns, console=console, transient=True, disable=hidden) as progress:
-        task = progress.add_task("cells", total=len(matrix.cells))
-
-        def note(line: str) -> None:
-            console.print(line, markup=False)
-
-        def show(cell: Cell, record: Record | None) -> None:
-            progress.advance(task)
-            if record is not None and (record.status in TROUBLED or record.status == "skipped"):
-                note(f"{record.status}: {cell.seen} {cell.method}: {record.reason}")
-
-        summary = run_matrix(matrix, show, note)
-        rows = _run_engines(matrix, chosen, note)
-    _print_end(out, summary)
+    with RunProgress(matrix, quiet) as shown:
+        summary = run_matrix(matrix, shown.record, shown.line, shown.stage, shown.timed)
+        rows = _run_engines(matrix, chosen, shown.line)
+    print_end(out, summary, quiet)
     faults = [row for row in rows if row.status in TROUBLED]
     sys.exit(1 if faults else summary.exit_code)
 
@@ -180,33 +181,3 @@ def _run_engines(
         ),
         show,
     )  # fmt: skip
-
-
-def _print_end(out: Path, summary: Summary) -> None:
-    """Print the cells that a user should look at, the summary, and the next commands."""
-    if summary.warning:
-        click.echo(f"disturbed: {summary.warning}", err=True)
-    for fault in summary.faults:
-        click.echo(f"metric: {fault}", err=True)
-    if summary.troubled:
-        _print_table(summary)
-    click.echo(f"{out}: {summary}")
-    if any(not record.finished for record in summary.troubled):
-        again = [argument for argument in sys.argv[1:] if argument != "--force"]
-        click.echo(f"failed cells again: {shlex.join(['oitbench', *again])}")
-    click.echo(f"next: {shlex.join(['oitbench', 'report', str(out)])}")
-
-
-def _print_table(summary: Summary) -> None:
-    from rich import box
-    from rich.console import Console
-    from rich.table import Table
-
-    table = Table(box=box.SIMPLE)
-    for title in ("status", "scene", "method", "effects", "reason"):
-        table.add_column(title, overflow="fold")
-    for record in summary.troubled:
-        table.add_row(record.status, record.seen, record.method, record.effects, record.reason)
-    # Keep whole labels in files and pipes.
-    width = None if sys.stdout.isatty() else _WIDE
-    Console(width=width, markup=False, highlight=False).print(table)

@@ -46,8 +46,10 @@ def command(
 ) -> None:
     """Check the identities that methods promise, and render hard cases.
 
-    Each check renders scenes with a known answer. The table counts the checks that hold, of those
-    that apply to the method. A hard case, or an identity that is not promised, may fail.
+    Each check renders scenes with a known answer. One table counts the checks that hold, of those
+    that apply to the method. Another one shows those that break: the expected and the measured
+    value of the worst channel. A hard case, or an identity that is not promised, may break; the
+    files list the checks of all variants.
 
     The exit code is 1 if a promise is broken, a shader fails, a pixel is NaN, infinite or negative,
     or an image changes from one run to the next. It is also 1 if a method crashes, takes too long
@@ -85,7 +87,10 @@ def command(
         terminal = Console()
         terminal.width = max(terminal.width, _WIDTH)
         terminal.print(summary.table(results))
-        for line in summary.listing(results):
+        rows = summary.broken(results)
+        if rows:
+            terminal.print(summary.broken_table(rows))
+        for line in summary.idle(results):
             click.echo(line)
         click.echo(out / files.JSON)
     sys.exit(1 if any(result.failed for result in results) else 0)

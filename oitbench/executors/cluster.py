@@ -25,7 +25,7 @@ from oitbench.executors.desk import Answer, Desk, Question
 from oitbench.executors.executor import Executor, Expected, Far, OnLine, Worker
 from oitbench.places import own_folder
 from oitbench.workers.messages import Step
-from oitbench.workers.process import WorkerError
+from oitbench.workers.process import OnStep, WorkerError, ignore_step
 
 _CONNECT_SECONDS = 15.0
 _CLOSE_SECONDS = 3.0
@@ -66,8 +66,12 @@ class DaskWorker:
         timeout: float | None = None,
         step: Step | None = None,
         retry: bool = False,
+        on_step: OnStep = ignore_step,
     ) -> Expected:
-        """Return the reply to a request; the cause of a `WorkerError` may be "lost"."""
+        """Return the reply to a request; the cause of a `WorkerError` may be "lost".
+
+        Steps are not passed on: they would need a connection of their own.
+        """
         number = next(self._numbers)
         self._call(Desk.begin, Question(number, request, kind, timeout, step, retry))
         answer: Answer | None = None

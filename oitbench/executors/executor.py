@@ -17,7 +17,7 @@ from msgspec import Struct
 
 from oitbench.places import PluginFiles
 from oitbench.workers.messages import Step
-from oitbench.workers.process import WorkerError
+from oitbench.workers.process import OnStep, WorkerError, ignore_step
 
 Expected = TypeVar("Expected", bound=Struct)
 Unit = TypeVar("Unit")
@@ -69,6 +69,7 @@ class Worker(Protocol):
         timeout: float | None = None,
         step: Step | None = None,
         retry: bool = False,
+        on_step: OnStep = ignore_step,
     ) -> Expected:
         """Return the reply to a request; see `oitbench.workers.process.Process.ask`.
 
@@ -125,10 +126,16 @@ class Executor:
         """
         check(self._workers[0])
 
-    def ask(self, request: Struct, kind: type[Expected], timeout: float | None = None) -> Expected:
+    def ask(
+        self,
+        request: Struct,
+        kind: type[Expected],
+        timeout: float | None = None,
+        on_step: OnStep = ignore_step,
+    ) -> Expected:
         """Ask the first worker, while no other one works; see `Worker.ask`."""
         with self._seated() as seat:
-            reply = seat.ask(request, kind, timeout)
+            reply = seat.ask(request, kind, timeout, on_step=on_step)
         self._tell()
         return reply
 
@@ -276,10 +283,11 @@ class _Seat:
         timeout: float | None = None,
         step: Step | None = None,
         retry: bool = False,
+        on_step: OnStep = ignore_step,
     ) -> Expected:
         while True:
             try:
-                return self.worker.ask(request, kind, timeout, step, retry)
+                return self.worker.ask(request, kind, timeout, step, retry, on_step)
             except WorkerError as error:
                 if error.cause != "lost":
                     raise

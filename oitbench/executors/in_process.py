@@ -19,6 +19,7 @@ from oitbench.executors.executor import (
     Worker,
 )
 from oitbench.workers.messages import Step
+from oitbench.workers.process import OnStep, ignore_step
 
 
 class OwnWorker:
@@ -29,6 +30,7 @@ class OwnWorker:
     def __init__(self, far: Far) -> None:
         self._far = far
         self._answer: Callable[[Any], Struct] | None = None
+        self._on_step: OnStep = ignore_step
 
     def ask(
         self,
@@ -37,11 +39,13 @@ class OwnWorker:
         timeout: float | None = None,
         step: Step | None = None,
         retry: bool = False,
+        on_step: OnStep = ignore_step,
     ) -> Expected:
         """Answer a request."""
         if self._answer is None:
             begin = import_module(self._far.module).begin
-            self._answer = begin(self._far.settings, lambda step: None)
+            self._answer = begin(self._far.settings, lambda step: self._on_step(step))
+        self._on_step = on_step
         reply = self._answer(request)
         assert isinstance(reply, kind), reply
         return reply

@@ -8,11 +8,11 @@ from contextlib import contextmanager
 from functools import cached_property
 from typing import Any
 
-import glcontext
 import moderngl
 import numpy as np
 
 from oitbench.errors import CapabilityError, unknown
+from oitbench.gl import context
 from oitbench.gl.capabilities import CAPABILITIES, FETCH, MECHANISMS, is_software, loop_limit
 from oitbench.gl.shader_cache import avoid_full_disk
 from oitbench.method.blending import Blend
@@ -81,20 +81,12 @@ class Device:
     Raises
     ------
     CapabilityError
-        There is no EGL device, or OpenGL is older than 4.5.
+        There is no driver, or OpenGL is older than 4.5.
     """
 
     def __init__(self) -> None:
         avoid_full_disk()
-        try:
-            backend = glcontext.get_backend_by_name("egl")(
-                mode="standalone", libgl="libGL.so.1", libegl="libEGL.so.1", glversion=450
-            )
-        except Exception as error:
-            raise CapabilityError(
-                f"no OpenGL 4.5 context through EGL ({error}); install libegl1 libgl1 and a driver"
-                " (Mesa: libgl1-mesa-dri)"
-            ) from error
+        backend = context.create()
         self.context = moderngl.create_context(context=backend)
         self._functions = {
             name: self._load(backend.load, name, signature)

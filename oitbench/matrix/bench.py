@@ -63,7 +63,7 @@ _CHANGED = Timing(reason="its files changed during the run; run again")
 
 @dataclass
 class Stopwatch:
-    """Seconds spent by kind of work: "rendering", "metrics", "references"."""
+    """Seconds spent by kind of work: see `oitbench.matrix.run.KINDS`."""
 
     spent: dict[str, float] = field(default_factory=dict)
 
@@ -149,7 +149,8 @@ class Bench:
         reason = contradiction = ""
         try:
             (method,) = self.collection.expand_methods([cell.method])
-            fingerprints = self.identities.of(cell, method)
+            with self.watch.running("building"):
+                fingerprints = self.identities.of(cell, method)
             outcome, contradiction = self._run(cell, method)
             self.identities.check_unchanged(method)
         except StorageError:
@@ -191,6 +192,7 @@ class Bench:
                 image, transmittance = with_transmittance(frame, cell.ssaa)
                 plan = frame.plan
             cost = _count(stage.coarse, method, cell.size, effects, plan)
+        with self.watch.running("permutations"):
             spread = _order_spread(stage.coarse, method, cell, effects, plan)
         scorer = Scorer(stage, exact, image, self._store)
         scores, reason = self._score_all(stage, cell, chosen, exact, scorer)
@@ -296,18 +298,19 @@ class Bench:
 
         The times of a cell whose files have changed since it was scored would be those of another.
         """
-        with self.watch.running("rendering"):
+        with self.watch.running("building"):
             same = [
                 scored
                 for scored in cells
                 if scored.fingerprints in (None, self.identities.find(scored.cell))
             ]
-            timings: list[Timing] = []
-            if same:
-                scene = self.identities.scene(same[0].cell)
-                self._on_step(_TIMING)
+            scene = self.identities.scene(same[0].cell) if same else None
+        timings: list[Timing] = []
+        if scene is not None:
+            self._on_step(_TIMING)
+            with self.watch.running("timing"):
                 timings = time_cells(self.device, self.collection, scene, same, schedule)
-            found = dict(zip((scored.cell for scored in same), timings, strict=True))
+        found = dict(zip((scored.cell for scored in same), timings, strict=True))
         return [found.get(scored.cell, _CHANGED) for scored in cells]
 
 

@@ -137,6 +137,11 @@ class Matrix:
         """Bytes that each process of this machine may use."""
         return self.place.memory_limit
 
+    @property
+    def workers(self) -> int:
+        """Processes of this machine that render at once; its own process counts as one."""
+        return max(1, self.place.workers)
+
 
 def plan_matrix(
     scenes: Sequence[str] = (),

@@ -19,6 +19,7 @@ from oitbench.workers.process import WorkerError
 
 OnRecord = Callable[[Cell, Record | None], None]
 OnLine = Callable[[str], None]
+OnStage = Callable[[str, str], None]
 _Item = tuple[Cell, CellDone | None] | str
 """A cell that is done, or kept; a line for the user."""
 
@@ -35,6 +36,8 @@ class Rendering:
         Called with every record as it comes, and with None for a cell that is kept.
     on_line : callable
         Called with a line about finished cells that are run again, and why.
+    on_stage : callable
+        Called with the labels of a cell and the part of its work that begins, by any thread.
 
     Attributes
     ----------
@@ -51,6 +54,7 @@ class Rendering:
     resume: Resume
     on_record: OnRecord
     on_line: OnLine
+    on_stage: OnStage = lambda labels, stage: None
     fresh: set[Cell] = field(default_factory=set, init=False)
     unstored: dict[Cell, Record] = field(default_factory=dict, init=False)
     spent: list[dict[str, float]] = field(default_factory=list, init=False)
@@ -125,7 +129,12 @@ class Rendering:
         if lost is not None:
             return self._unanswered(cell, lost)
         try:
-            return worker.ask(RunCell(cell), CellDone, self.matrix.timeout)
+            return worker.ask(
+                RunCell(cell),
+                CellDone,
+                self.matrix.timeout,
+                on_step=lambda step: self.on_stage(f"{cell.seen} {cell.method}", step.name),
+            )
         except (StorageError, WorkerError):
             raise
         except OitbenchError as error:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -13,8 +13,9 @@ import msgspec
 
 from oitbench.errors import UsageError, printable
 from oitbench.executors.executor import Executor, Worker
+from oitbench.matrix.cell import Cell
 from oitbench.matrix.plan import Matrix, plan_matrix
-from oitbench.matrix.rendering import OnLine, OnRecord, Rendering
+from oitbench.matrix.rendering import OnLine, OnRecord, OnStage, Rendering
 from oitbench.matrix.resume import Resume
 from oitbench.matrix.timed_cells import ScoredCell, Timing
 from oitbench.matrix.timed_scenes import due_scenes, time_scene
@@ -33,7 +34,9 @@ from oitbench.results.times import Processor
 from oitbench.scoring.folder import score_cell
 from oitbench.scoring.scorer import Findings, Scorer
 
-_KINDS = ("rendering", "metrics", "references")
+KINDS = ("building", "rendering", "permutations", "metrics", "references", "timing")
+"""Kinds of work whose seconds are counted apart."""
+OnTimed = Callable[[Sequence[Cell], float], None]
 
 
 @dataclass
@@ -52,6 +55,8 @@ class Summary:
         Wall-clock seconds.
     spent : dict of str to float
         Seconds by kind of work.
+    scenes : dict of str to float
+        Seconds of the cells of each scene that were run, timing included, by the scene's label.
     disturbed : dict of str to float
         Share of the CPU time that other processes took, by the label of each scene whose times
         they disturbed.
@@ -64,6 +69,7 @@ class Summary:
     troubled: list[Record] = field(default_factory=list)
     wall: float = 0.0
     spent: dict[str, float] = field(default_factory=dict)
+    scenes: dict[str, float] = field(default_factory=dict)
     disturbed: dict[str, float] = field(default_factory=dict)
     faults: list[str] = field(default_factory=list)
 
@@ -79,13 +85,17 @@ class Summary:
 
     @property
     def rest(self) -> float:
-        """Seconds that are neither rendering, metrics nor references."""
+        """Seconds that are of no kind in `KINDS`."""
         return max(0.0, self.wall - sum(self.spent.values()))
 
     def add(self, spent: dict[str, float]) -> None:
         """Add seconds by kind of work."""
         for kind, seconds in spent.items():
             self.spent[kind] = self.spent.get(kind, 0.0) + seconds
+
+    def add_scene(self, label: str, seconds: float) -> None:
+        """Add seconds of the scene of a label."""
+        self.scenes[label] = self.scenes.get(label, 0.0) + seconds
 
     @property
     def exit_code(self) -> int:
@@ -94,11 +104,7 @@ class Summary:
 
     def __str__(self) -> str:
         done = ", ".join(f"{count} {status}" for status, count in sorted(self.statuses.items()))
-        split = ", ".join(f"{kind} {self.spent.get(kind, 0.0):.1f} s" for kind in _KINDS)
-        return (
-            f"{done or 'nothing to do'}; {self.kept} kept from before;"
-            f" {self.wall:.1f} s: {split}, rest {self.rest:.1f} s"
-        )
+        return f"{done or 'nothing to do'}; {self.kept} kept from before; {self.wall:.1f} s"
 
 
 def run(
@@ -123,6 +129,8 @@ def run_matrix(
     matrix: Matrix,
     on_record: OnRecord = lambda cell, record: None,
     on_line: OnLine = lambda line: None,
+    on_stage: OnStage = lambda labels, stage: None,
+    on_timed: OnTimed = lambda cells, seconds: None,
 ) -> Summary:
     """Run all cells of a matrix that are not finished; each is on the disk when it is done.
 
@@ -133,6 +141,11 @@ def run_matrix(
         Called with every record as it comes, and with None for a cell that is kept.
     on_line : callable
         Called with a line about finished cells that are run again, and why.
+    on_stage : callable
+        Called with the labels of a scene and a method, or of a scene, and the part of its work
+        that begins, by any thread.
+    on_timed : callable
+        Called with cells that were timed together, and the seconds that this took.
 
     Raises
     ------
@@ -158,14 +171,15 @@ def run_matrix(
         store.write_run(facts)
         store.write_config(matrix.config)
         resume = Resume(store, admission.renderer, matrix.force)
-        rendering = Rendering(matrix, resume, on_record, on_line)
+        rendering = Rendering(matrix, resume, on_record, on_line, on_stage)
         rendering.run(executor)
         for spent in rendering.spent:
             summary.add(spent)
         executor.rest()
         _score_all(matrix, store, summary, scorer)
         if matrix.preset.rounds:
-            _time_all(matrix, executor, store, summary, rendering, facts.cpu)
+            listener = on_stage, on_timed
+            _time_all(matrix, executor, store, summary, rendering, facts.cpu, *listener)
         _count(matrix, store, summary, rendering)
         store.compact()
         summary.wall = time.perf_counter() - start
@@ -206,6 +220,7 @@ def _count(matrix: Matrix, store: Store, summary: Summary, rendering: Rendering)
         assert record is not None
         if cell in rendering.fresh:
             summary.statuses[record.status] = summary.statuses.get(record.status, 0) + 1
+            summary.add_scene(record.seen, record.seconds)
         if record.status in TROUBLED:
             summary.troubled.append(record)
 
@@ -228,6 +243,8 @@ def _time_all(
     summary: Summary,
     rendering: Rendering,
     cpu: Processor | None,
+    on_stage: OnStage,
+    on_timed: OnTimed,
 ) -> None:
     """Time the finished cells of each scene together, if one of them has no time yet."""
     schedule = matrix.schedule
@@ -235,8 +252,14 @@ def _time_all(
     def ask(cells: list[ScoredCell]) -> list[Timing]:
         limit = None if matrix.timeout is None else matrix.timeout * len(cells)
         request = TimeCells(cells, schedule.rounds, schedule.budget, schedule.seed)
-        reply = executor.ask(request, CellsTimed, limit)
+        first, start = cells[0].cell, time.perf_counter()
+        reply = executor.ask(
+            request, CellsTimed, limit, on_step=lambda step: on_stage(first.seen, step.name)
+        )
+        seconds = time.perf_counter() - start
         summary.add(reply.spent)
+        summary.add_scene(first.seen, seconds)
+        on_timed([scored.cell for scored in cells], seconds)
         return reply.timings
 
     usable = [cell for cell in matrix.cells if cell not in rendering.unstored]

@@ -21,6 +21,7 @@ from oitbench.image.values import Show
 from oitbench.matrix import machine
 from oitbench.matrix.bench import Bench
 from oitbench.matrix.cell import Cell, choose_effects
+from oitbench.matrix.probe import MemoryProbed, ProbeMemory, ProbeTruths, TruthsProbed, probe_truths
 from oitbench.matrix.timed_cells import ScoredCell, Timing
 from oitbench.measure.rounds import Schedule
 from oitbench.method.declaration import Method
@@ -29,6 +30,7 @@ from oitbench.plugins import Collection
 from oitbench.results.schema import Fingerprints, Record, Renderer, RunFacts
 from oitbench.shading import read_shading
 from oitbench.views import MAIN
+from oitbench.workers import memory
 from oitbench.workers.serve import OnStep, serve
 
 LIST, ALL = "list", "all"
@@ -152,7 +154,17 @@ class TargetsDrawn(Struct, frozen=True, tag=True):
     targets: list[TargetFacts]
 
 
-Request = Hello | CollectFacts | IdentifyCells | RunCell | TimeCells | DrawPicture | DrawTargets
+Request = (
+    Hello
+    | CollectFacts
+    | IdentifyCells
+    | RunCell
+    | TimeCells
+    | DrawPicture
+    | DrawTargets
+    | ProbeTruths
+    | ProbeMemory
+)
 Reply = (
     Greeting
     | FactsCollected
@@ -161,6 +173,8 @@ Reply = (
     | CellsTimed
     | PictureDrawn
     | TargetsDrawn
+    | TruthsProbed
+    | MemoryProbed
 )
 
 
@@ -188,6 +202,11 @@ def begin(settings: Settings, on_step: OnStep) -> Callable[[Request], Reply]:
             return _draw(bench, request)
         if isinstance(request, DrawTargets):
             return _draw_targets(bench, request)
+        if isinstance(request, ProbeTruths):
+            scene = bench.identities.scene(request.cell)
+            return probe_truths(scene, request.cell, bench.collection.folders)
+        if isinstance(request, ProbeMemory):
+            return MemoryProbed(memory.peak())
         schedule = Schedule(request.rounds, request.budget, request.seed)
         return CellsTimed(bench.time(request.cells, schedule), bench.watch.take())
 

@@ -161,6 +161,19 @@ class Store:
                 remove_partial_files(folder / IMAGES)
             yield cls(folder, read_cells(folder / CELLS))
 
+    @classmethod
+    def read(cls, folder: Path | str) -> Store:
+        """Return a results folder that is only read; it need not exist.
+
+        Raises
+        ------
+        UsageError
+            The folder holds something other than results, or results of another version.
+        """
+        folder = Path(folder)
+        _refuse_foreign(folder)
+        return cls(folder, read_cells(folder / CELLS))
+
     def records(self) -> list[Record]:
         """Return the newest record of every cell, in order of first appearance."""
         return list(self._cells.values())

@@ -25,11 +25,15 @@ class Deviation:
     error : float
         Largest absolute error of a pixel or, if `in_mean`, of the mean over the pixels.
     allowed : float
+    expected, found : float
+        The channel with that error: the value that is right, and the one that was measured.
     in_mean : bool
     """
 
     error: float
     allowed: float
+    expected: float
+    found: float
     in_mean: bool = False
 
     @property
@@ -53,18 +57,20 @@ def judge(method: Method, expectation: Expectation) -> Deviation:
     their mean instead, if a single pixel exceeds the bound.
     """
     bound = _bound(method, expectation) + expectation.slack
-    residual = _residual(expectation)
+    found, expected = _values(expectation)
+    residual = found - expected
     error = float(np.abs(residual).max())
     noise = _SIGMAS * expectation.noise
-    if not method.noisy or error <= bound or not np.isfinite(residual).all():
-        return Deviation(error, bound + noise, noise > 0)
-    if expectation.noise:
-        return Deviation(error, bound + noise, in_mean=True)
+    if not method.noisy or error <= bound or expectation.noise or not np.isfinite(residual).all():
+        worst = int(np.abs(residual).argmax())
+        pair = float(expected.flat[worst]), float(found.flat[worst])
+        return Deviation(error, bound + noise, *pair, in_mean=noise > 0)
     pixels = residual.reshape(-1, residual.shape[-1])
     mean, deviation = np.abs(pixels.mean(axis=0)), pixels.std(axis=0)
     limits = bound + _SIGMAS * deviation / math.sqrt(len(pixels))
     channel = int(np.argmax(mean - limits))
-    return Deviation(float(mean[channel]), float(limits[channel]), in_mean=True)
+    pair = float(expected[..., channel].mean()), float(found[..., channel].mean())
+    return Deviation(float(mean[channel]), float(limits[channel]), *pair, in_mean=True)
 
 
 def _bound(method: Method, expectation: Expectation) -> float:
@@ -76,9 +82,9 @@ def _bound(method: Method, expectation: Expectation) -> float:
     return largest(method, expectation.layers, expectation.magnitude)
 
 
-def _residual(expectation: Expectation) -> Values:
-    """Return found − expected, with `expected` repeated to the shape of `found`."""
+def _values(expectation: Expectation) -> tuple[Values, Values]:
+    """Return the values found and expected, the latter repeated to the shape of the former."""
     found, expected = (np.asarray(a, np.float64) for a in (expectation.found, expectation.expected))
     for axis in (0, 1):
         expected = np.repeat(expected, found.shape[axis] // expected.shape[axis], axis=axis)
-    return found - expected
+    return found, expected

@@ -8,7 +8,7 @@ from msgspec import Struct
 
 from oitbench.results.schema import Nonfinite, Renderer
 
-VERSION: Final = 1
+VERSION: Final = 2
 """Version of the schema of `stability.json`; a change of any field raises it."""
 
 Status = Literal["holds", "breaks", "does not apply"]
@@ -25,7 +25,8 @@ class CheckResult(Struct, frozen=True):
     an identity from a hard case.
 
     `error` and `allowed` belong to the expectation whose error is largest relative to its bound;
-    null if they are not finite. `in_mean` says that an expectation was compared in the mean over
+    null if they are not finite. `expected` and `found` are the values of the channel with that
+    error. `in_mean` says that an expectation was compared in the mean over
     the pixels of a random method, within 4 standard errors, and not in each pixel. `reason` says
     why a check does not apply, or why there is no image. `nonfinite` counts pixels of all images;
     negative ones are no fault where the method's formula `may_be_negative`. `repeatable` says that
@@ -41,6 +42,8 @@ class CheckResult(Struct, frozen=True):
     status: Status
     error: float | None = None
     allowed: float | None = None
+    expected: float | None = None
+    found: float | None = None
     in_mean: bool = False
     reason: str = ""
     nonfinite: Nonfinite = Nonfinite()
@@ -78,4 +81,4 @@ class StabilityFile(Struct, frozen=True):
 
     gl: Renderer
     results: list[CheckResult]
-    schema: Literal[1] = VERSION
+    schema: Literal[2] = VERSION

@@ -158,6 +158,8 @@ def _examine(
         HOLDS if all(deviation.holds for deviation in deviations) else BREAKS,
         error=_finite(worst.error),
         allowed=_finite(worst.allowed),
+        expected=_finite(worst.expected),
+        found=_finite(worst.found),
         in_mean=any(deviation.in_mean for deviation in deviations),
         nonfinite=_nonfinite(first),
         may_be_negative=method.may_be_negative,

@@ -2,14 +2,30 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Iterator, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal, NamedTuple
 
-from oitbench.stability.result import HOLDS, CheckResult
+from oitbench.stability.result import BREAKS, HOLDS, CheckResult
 
 if TYPE_CHECKING:
     from rich.table import Table
     from rich.text import Text
+
+Verdict = Literal["promise broken", "fault", "not promised", "hard case"]
+FAILURES: tuple[Verdict, ...] = ("promise broken", "fault")
+"""Verdicts that are no known limits of methods: they fail the command."""
+
+
+class Row(NamedTuple):
+    """A check that breaks, in words: the worst channel, or what is wrong with the picture."""
+
+    method: str
+    case: str
+    expected: str
+    measured: str
+    allowed: str
+    verdict: Verdict
 
 
 def by_method(results: Iterable[CheckResult]) -> dict[str, list[CheckResult]]:
@@ -57,11 +73,78 @@ def _held(results: Iterable[CheckResult]) -> Text:
     return Text(f"{held} of {len(relevant)}", style="bold red" if broken else "")
 
 
-def listing(results: Iterable[CheckResult]) -> list[str]:
-    """Return one line for each fault, then one for each variant that did not run at all."""
+def broken(results: Iterable[CheckResult]) -> list[Row]:
+    """Return one row for each identity and each hard case that breaks, and each unstable picture.
+
+    Variants of a method that break the same are one row, that of the variant with the largest error
+    relative to its bound. Promises and faults come first.
+    """
+    groups: dict[tuple[str, str, Verdict], list[CheckResult]] = {}
+    for result in results:
+        verdict = _verdict(result)
+        if verdict is not None:
+            groups.setdefault((result.name, result.check, verdict), []).append(result)
+    rows = [_row(own, verdict) for (_, _, verdict), own in groups.items()]
+    return sorted(rows, key=lambda row: row.verdict not in FAILURES)
+
+
+def _verdict(result: CheckResult) -> Verdict | None:
+    if result.unstable or (result.applies and result.reason):
+        return "fault"
+    if result.status != BREAKS:
+        return None
+    if result.promised:
+        return "promise broken"
+    return "not promised" if result.identity else "hard case"
+
+
+def _row(own: Sequence[CheckResult], verdict: Verdict) -> Row:
+    def excess(result: CheckResult) -> float:
+        if result.error is None or not result.allowed:
+            return math.inf
+        return result.error / result.allowed
+
+    worst = max(own, key=excess)
+    more = f" +{len(own) - 1}" if len(own) > 1 else ""
+    expected, found = _number(worst.expected), _number(worst.found)
+    if verdict == "fault":
+        expected, found = "", worst.reason or ", ".join(_instabilities(worst))
+    elif worst.in_mean:
+        found += " in the mean"
+    allowed = "" if verdict == "fault" else _number(worst.allowed)
+    return Row(worst.method + more, worst.check, expected, found, allowed, verdict)
+
+
+def _number(value: float | None) -> str:
+    return "not finite" if value is None else f"{value:.4g}"
+
+
+def broken_table(rows: Sequence[Row]) -> Table:
+    """Return the rows of `broken` as a table for the terminal."""
+    from rich import box
+    from rich.table import Table
+    from rich.text import Text
+
+    shown = Table(title="Identities and hard cases that break", box=box.SIMPLE)
+    for heading in (
+        "method (+ variants)",
+        "case",
+        "expected",
+        "measured",
+        "error allowed",
+        "verdict",
+    ):
+        shown.add_column(heading, overflow="fold")
+    for row in rows:
+        style = "bold red" if row.verdict in FAILURES else ""
+        shown.add_row(*map(Text, row), style=style)
+    return shown
+
+
+def idle(results: Iterable[CheckResult]) -> list[str]:
+    """Return one line for each variant that did not run at all."""
     own = by_method(results)
-    faulty = [f"{method}: {fault}" for method, its in own.items() for fault in faults(its)]
-    return faulty + [
+    return [
         f"{method}: not run: {_reason(its)}"
         for method, its in own.items()
         if not any(result.applies for result in its)

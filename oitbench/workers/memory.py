@@ -53,6 +53,15 @@ def limit(gib: float | None, workers: int) -> int:
     return int(gib * GIB)
 
 
+def peak() -> int:
+    """Return the largest resident memory that this process has had, in bytes."""
+    with suppress(OSError):
+        for line in Path("/proc/self/status").read_text(encoding="ascii").splitlines():
+            if line.startswith("VmHWM:"):
+                return 1024 * int(line.split()[1])
+    return int(psutil.Process().memory_info().rss)
+
+
 class Watch:
     """Looks at the resident memory of a process and its children, a few times per second.
 

@@ -9,6 +9,7 @@ import subprocess
 import sys
 import threading
 import time
+from collections.abc import Callable
 from contextlib import suppress
 from queue import Empty, Queue
 from typing import Any, Literal, TypeVar
@@ -22,6 +23,7 @@ from oitbench.workers import memory
 from oitbench.workers.messages import Fault, Ready, Refusal, Step, decoder, encode
 
 Expected = TypeVar("Expected", bound=Struct)
+OnStep = Callable[[Step], None]
 _START_SECONDS = 120.0
 _END_SECONDS = 5.0
 # `python -m` would look for modules in the working directory first.
@@ -36,6 +38,10 @@ _HINTS: dict[int, str] = {
     signal.SIGKILL: ", perhaps by the system for lack of memory",
     signal.SIGBUS: ", perhaps because a disk is full",
 }
+
+
+def ignore_step(step: Step) -> None:
+    """Do nothing."""
 
 
 class WorkerError(OitbenchError):
@@ -118,6 +124,7 @@ class Process:
         timeout: float | None = None,
         step: Step | None = None,
         retry: bool = False,
+        on_step: OnStep = ignore_step,
     ) -> Expected:
         """Send a request and wait for a reply of type `kind`.
 
@@ -132,6 +139,8 @@ class Process:
         retry : bool
             Ask once more if the process ends by itself, too. One that was killed from outside costs
             only time in any case.
+        on_step : callable
+            Called with every step of the work as it begins.
 
         Raises
         ------
@@ -141,11 +150,11 @@ class Process:
             The far end refused the work for a reason that the user can fix.
         """
         try:
-            reply = self._exchange(self.start(), request, timeout, step)
+            reply = self._exchange(self.start(), request, timeout, step, on_step)
         except WorkerError as error:
             if error.cause != "killed" and not (retry and error.cause == "ended"):
                 raise
-            reply = self._exchange(self.start(), request, timeout, step)
+            reply = self._exchange(self.start(), request, timeout, step, on_step)
         assert isinstance(reply, kind), reply
         return reply
 
@@ -174,7 +183,12 @@ class Process:
                 self._running.kill()
 
     def _exchange(
-        self, running: _Running, request: Struct, timeout: float | None, step: Step | None
+        self,
+        running: _Running,
+        request: Struct,
+        timeout: float | None,
+        step: Step | None,
+        on_step: OnStep,
     ) -> Struct:
         try:
             if not running.ready:
@@ -184,12 +198,18 @@ class Process:
                     running.send(self._greeting)
                     self._receive(running, _START_SECONDS, _STARTING)
             running.send(request)
-            return self._receive(running, timeout, step)
+            return self._receive(running, timeout, step, on_step)
         except WorkerError:
             running.kill()
             raise
 
-    def _receive(self, running: _Running, timeout: float | None, step: Step | None) -> Struct:
+    def _receive(
+        self,
+        running: _Running,
+        timeout: float | None,
+        step: Step | None,
+        on_step: OnStep = ignore_step,
+    ) -> Struct:
         while True:
             line = running.receive(timeout, step)
             try:
@@ -203,6 +223,7 @@ class Process:
             if not isinstance(reply, Step):
                 return reply
             step = reply
+            on_step(step)
 
 
 class _Running:

@@ -66,3 +66,9 @@ def test_nothing_is_overwritten(call: Call, tmp_path: Path) -> None:
     assert answer.code == 2
     assert "exists" in answer.err
     assert path.read_text() == "precious"
+
+
+def test_the_kind_may_be_in_the_plural(call: Call, tmp_path: Path) -> None:
+    answer = call("new", "scenes", "my_panes", "-o", tmp_path)
+    assert answer.out.startswith(str(tmp_path / "scenes" / "my_panes.py"))
+    call("new", "scine", "x", "-o", tmp_path).assert_refused("unknown kind 'scine'; did you mean")

@@ -42,6 +42,11 @@ def test_text_output_has_counts_and_failures_by_name(call: Call, tmp_path: Path)
         ["a_buffer[node=compact]", "2 of 2", "–", "1 of 1", "0"],
         ["writing", "1 of 2", "–", "0 of 1", "1"],
     ]
-    fault, path = lines[-2:]
-    assert fault.startswith("writing: breaks single_layer_exact (error 0.")
-    assert path == str(tmp_path / "stability.json")
+    # The checks that break, each with its values.
+    broken = [line.split() for line in lines if line.strip().startswith("writing ")]
+    assert [words[1] for words in broken] == ["single_layer_exact", "two"]
+    assert [" ".join(words[-2:]) for words in broken] == ["promise broken", "hard case"]
+    expected, measured, allowed = map(float, broken[0][2:5])
+    assert measured == 0.5
+    assert abs(measured - expected) > allowed
+    assert lines[-1] == str(tmp_path / "stability.json")

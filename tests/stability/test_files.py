@@ -33,7 +33,7 @@ def test_results_survive_a_file(tmp_path: Path) -> None:
 def test_the_json_file_has_a_version_and_states_failures(tmp_path: Path) -> None:
     text = written(tmp_path).read_text(encoding="utf-8")
     content = json.loads(text)
-    assert (content["schema"], content["gl"]["renderer"]) == (1, "llvmpipe")
+    assert (content["schema"], content["gl"]["renderer"]) == (2, "llvmpipe")
     assert [row["failed"] for row in content["results"]] == [True, True, False]
     assert "α = 0" in text
 
@@ -51,12 +51,12 @@ def test_the_csv_file_holds_everything(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ('{"gl": {}, "findings": []}', "by another version of oitbench (schema 0, this one has 1)"),
+        ('{"gl": {}, "findings": []}', "by another version of oitbench (schema 0, this one has 2)"),
         (
             '{"schema": 7, "results": []}',
-            "by another version of oitbench (schema 7, this one has 1)",
+            "by another version of oitbench (schema 7, this one has 2)",
         ),
-        ('{"schema": 1, "gl": {"renderer": "x"}, "results": [1]}', "holds no results"),
+        ('{"schema": 2, "gl": {"renderer": "x"}, "results": [1]}', "holds no results"),
         ("[]", "holds no results"),
         ("{", "holds no results"),
         ("\xff", "holds no results"),

@@ -74,12 +74,25 @@ def test_means_are_compared_within_four_standard_errors() -> None:
 
 
 def test_the_worst_deviation_exceeds_its_bound_most() -> None:
-    deviations = [
-        Deviation(0.0, 0.0),
-        Deviation(0.1, 0.2),
-        Deviation(0.1, 0.05),
-        Deviation(1e-9, 0.0),
-        Deviation(math.nan, 1.0),
-    ]
+    pairs = [(0.0, 0.0), (0.1, 0.2), (0.1, 0.05), (1e-9, 0.0), (math.nan, 1.0)]
+    deviations = [Deviation(error, allowed, 0.0, error) for error, allowed in pairs]
     assert [item.holds for item in deviations] == [True, True, False, False, False]
     assert [item.excess for item in deviations] == [0.0, 0.5, 2.0, math.inf, math.inf]
+
+
+def test_both_values_of_the_worst_channel_are_kept() -> None:
+    found, expected = ONES.copy(), np.linspace(0.9, 1.0, 12).reshape(2, 2, 3)
+    found[3, 2, 1] = 3.0
+    worst = judge(method(EXACT), Expectation(found, expected))
+    # The smaller array is repeated: this is its last pixel.
+    assert worst.found == 3.0
+    assert worst.expected == pytest.approx(expected[1, 1, 1])
+
+
+def test_in_the_mean_both_values_are_means_of_the_worst_channel() -> None:
+    scattered = ONES + 0.5 * np.where(np.indices((4, 4)).sum(axis=0) % 2, 1, -1)[..., None]
+    scattered[..., 2] += 2.0
+    worst = judge(method(RANDOM), Expectation(scattered, ONES))
+    assert worst.in_mean
+    assert worst.found == pytest.approx(3.0)
+    assert worst.expected == pytest.approx(1.0)

@@ -81,11 +81,48 @@ def test_a_reason_is_stated_once() -> None:
     assert summary.faults(results) == ["no image for 2 checks: does not compile"]
 
 
-def test_faults_and_variants_that_did_not_run_are_listed() -> None:
+def test_variants_that_did_not_run_are_listed() -> None:
     idle = [made_up(str(i), DOES_NOT_APPLY, reason="some[k=2]: no memory") for i in range(3)]
     idle = [made_up("scatter", DOES_NOT_APPLY, reason="not random"), *idle]
     faulty = msgspec.structs.replace(made_up("swept layer", BREAKS, **ERROR), method="other")
-    assert summary.listing([*idle, faulty]) == [
-        "other: breaks swept layer (error 0.51, allowed 0.002)",
-        "some[k=2]: not run: no memory",
-    ]
+    assert summary.idle([*idle, faulty]) == ["some[k=2]: not run: no memory"]
+
+
+VALUES = {"error": 0.5, "allowed": 0.01, "expected": 0.25, "found": 0.75}
+
+
+@pytest.mark.parametrize(
+    ("facts", "row"),
+    [
+        (
+            {"identity": True, "promised": True, **VALUES},
+            ("0.25", "0.75", "0.01", "promise broken"),
+        ),
+        ({"identity": True, **VALUES}, ("0.25", "0.75", "0.01", "not promised")),
+        (VALUES, ("0.25", "0.75", "0.01", "hard case")),
+        ({**VALUES, "in_mean": True}, ("0.25", "0.75 in the mean", "0.01", "hard case")),
+        (
+            {**VALUES, "error": None, "found": None},
+            ("0.25", "not finite", "0.01", "hard case"),
+        ),
+        ({"reason": "no shader"}, ("", "no shader", "", "fault")),
+        ({**VALUES, "nonfinite": Nonfinite(nan=2)}, ("", "2 NaN pixels", "", "fault")),
+    ],
+)
+def test_what_breaks_is_a_row_with_both_values(facts: dict[str, Any], row: tuple[str, ...]) -> None:
+    (found,) = summary.broken([made_up("case", BREAKS, **facts), made_up("well")])
+    assert found == ("some[k=2]", "case", *row)
+
+
+def test_a_picture_that_changes_is_a_fault_though_the_check_holds() -> None:
+    (found,) = summary.broken([made_up("case", HOLDS, repeatable=False)])
+    assert (found.measured, found.verdict) == ("the image changes between runs", "fault")
+
+
+def test_variants_that_break_the_same_are_one_row_and_failures_come_first() -> None:
+    mild = made_up("case", BREAKS, **VALUES)
+    severe = msgspec.structs.replace(mild, method="some[k=4]", error=5.0, found=5.25)
+    promise = made_up("other", BREAKS, identity=True, promised=True, **VALUES)
+    first, second = summary.broken([mild, severe, mild, promise])
+    assert first.verdict == "promise broken"
+    assert (second.method, second.measured) == ("some[k=4] +2", "5.25")

@@ -117,6 +117,22 @@ def truth_fingerprint(wanted: Wanted, folders: Iterable[Path]) -> str:
     return (found.rendering if found else plan_rendering(wanted)).digest
 
 
+def find_finished(wanted: Wanted, folders: Iterable[Path]) -> Reference | None:
+    """Return the reference that `find_or_render` would not have to render, or None.
+
+    Raises
+    ------
+    CapabilityError
+        If the scene cannot be path traced on this machine.
+    """
+    found = find(wanted, folders).reference
+    if found is not None:
+        return found
+    cache = cache_folder()
+    place = cache / plan_rendering(wanted).digest if cache is not None else None
+    return _read_cached(place, wanted.key)
+
+
 def find_or_render(
     wanted: Wanted, folders: Iterable[Path], progress: Progress = lambda done, count: None
 ) -> tuple[Reference, str]:

@@ -1,0 +1,133 @@
+"""What a run would take."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from oitbench.errors import UsageError
+from oitbench.matrix.cell import Cell
+from oitbench.matrix.estimate import estimate, timing_seconds
+from oitbench.matrix.plan import Matrix, plan_matrix
+from oitbench.matrix.run import run_matrix
+from oitbench.matrix.sampling import choose, extrapolate
+from oitbench.measure.rounds import Schedule
+from oitbench.results.store import CELLS
+
+SCENES, METHODS = ["glass_bars", "layer_stack[count=3]"], ["a_buffer", "weighted_sum"]
+
+
+def files(folder: Path) -> set[Path]:
+    return {path for path in folder.rglob("*") if path.is_file()}
+
+
+def test_a_cost_grows_with_the_pixels_from_what_does_not() -> None:
+    pixels = (16, 64, 256)
+    assert extrapolate(pixels, 5.0 + 16, 5.0 + 64) == pytest.approx(5.0 + 256)
+    assert extrapolate(pixels, 5.0, 5.0) == 5.0
+    # Noise may make the larger picture the faster one.
+    assert extrapolate(pixels, 6.0, 5.0) == 5.0
+    assert extrapolate((1, 1, 1), 6.0, 5.0) == 5.0
+
+
+@pytest.mark.parametrize(
+    ("rounds", "schedule", "seconds"),
+    [
+        # Two to warm up, all that are wanted, and one to open frames.
+        ([0.1, 0.1], Schedule(9, 100.0), 0.2 * (2 + 9 + 1)),
+        # The budget ends in the 21st round, two of which do not count.
+        ([0.1, 0.1], Schedule(31, 4.0), 0.2 * (21 + 1)),
+        # The budget is over at once, but each cell takes part in nine rounds, and a slow one in 6.
+        ([0.5], Schedule(31, 0.1), 0.5 * (2 + 9 + 1)),
+        ([4.0], Schedule(31, 0.1), 4.0 * (2 + 6 + 1)),
+        ([0.0], Schedule(9, 4.0), 0.0),
+    ],
+)
+def test_timing_takes_rounds_within_a_budget(
+    rounds: list[float], schedule: Schedule, seconds: float
+) -> None:
+    assert timing_seconds(rounds, schedule) == pytest.approx(seconds)
+
+
+def test_all_methods_are_sampled_in_some_scene() -> None:
+    cells = [Cell("x", str(number), (8, 8)) for number in range(10)]
+    found = {cell for number in range(5) for cell in choose(cells, number, 2)}
+    assert found == {*cells}
+    assert choose(cells[:1], 3, 2) == cells[:1]
+    assert all(len({*choose(cells, number, 4)}) == 4 for number in range(10))
+
+
+def test_an_estimate_lists_what_is_kept_and_writes_nothing(tmp_path: Path) -> None:
+    def planned(scenes: list[str], methods: list[str]) -> Matrix:
+        return plan_matrix(
+            scenes, methods, "quick", (16, 16), ssaa=1, out=tmp_path / "out", truths=("exact",)
+        )
+
+    run_matrix(planned(SCENES[:1], METHODS[:1]))
+    before = files(tmp_path)
+    found = estimate(planned(SCENES, METHODS))
+    assert files(tmp_path) == before
+    counts = [(scene.label, len(scene.done), len(scene.todo)) for scene in found.scenes]
+    assert counts == [(SCENES[0], 1, 1), (SCENES[1], 0, 2)]
+    assert found.todo == 3
+    assert found.seconds.keys() == {"building", "drawing", "metrics", "timing", "rest"}
+    assert all(0.0 < seconds < math.inf for seconds in found.seconds.values())
+    assert found.total == pytest.approx(sum(found.seconds.values()))
+    assert 2**27 < found.memory < 2**33
+    # Nothing is left to do, so nothing is probed.
+    found = estimate(planned(SCENES[:1], METHODS[:1]))
+    assert (found.todo, found.seconds, found.unknown) == (0, {}, [])
+
+
+def test_the_estimated_disk_space_is_that_of_a_run(tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    matrix = plan_matrix(SCENES[:1], METHODS, preset="guard", size=(64, 64), out=out)
+    found = estimate(matrix)
+    assert not out.exists()
+    run_matrix(matrix)
+    written = sum(path.stat().st_size for path in files(out) if path.name != "run.json")
+    assert (out / CELLS).is_file()
+    assert written / 2 < found.disk < 2 * written
+
+
+def test_truths_that_are_missing_are_counted_and_not_rendered(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    matrix = plan_matrix(
+        SCENES[:1],
+        METHODS[:1],
+        preset="guard",
+        size=(17, 17),
+        truths=("matched",),
+        out=tmp_path / "out",
+    )
+    assert estimate(matrix).missing == {"matched": 1}
+    assert not (tmp_path / "cache" / "oitbench").exists()
+
+
+def test_scenes_that_cannot_be_drawn_are_named(plugins: Path, tmp_path: Path) -> None:
+    matrix = plan_matrix(
+        ["calm", "crasher"], ["weighted_sum", "broken"], preset="guard", size=(8, 8), out=tmp_path,
+        collections=[plugins],
+    )  # fmt: skip
+    found = estimate(matrix)
+    assert found.unknown == ["crasher"]
+    assert [len(scene.todo) for scene in found.scenes] == [2, 2]
+
+
+def test_a_folder_of_something_else_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "letter.txt").write_text("x")
+    matrix = plan_matrix(SCENES[:1], METHODS[:1], preset="guard", size=(8, 8), out=tmp_path)
+    with pytest.raises(UsageError, match="holds something else"):
+        estimate(matrix)
+
+
+def test_forced_cells_are_all_to_do(tmp_path: Path) -> None:
+    matrix = plan_matrix(SCENES[1:], METHODS[1:], preset="guard", size=(8, 8), out=tmp_path)
+    run_matrix(matrix)
+    assert estimate(matrix).todo == 0
+    assert estimate(replace(matrix, force=True)).todo == 1
