@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Literal
 
 from oitbench import parameters as selectors
 from oitbench.catalog.catalog import LOAD_SECONDS, Catalog, Choice
@@ -14,7 +15,7 @@ from oitbench.errors import UsageError, unknown
 from oitbench.matrix.cell import Cell, choose_effects
 from oitbench.measure.rounds import Schedule
 from oitbench.method.ablation import EACH, REQUESTED
-from oitbench.parameters import Value
+from oitbench.parameters import AnyParameter, Value
 from oitbench.places import PluginFiles
 from oitbench.shading import parse_shading
 from oitbench.truths import EXACT, TRUTHS
@@ -34,8 +35,8 @@ class Preset:
     ----------
     size : (int, int)
         Width and height in pixels.
-    grid : bool
-        Run every parameter's grid, or only its default.
+    grid : {"default", "sweeps", "all"}
+        Values of parameters that are run: defaults, also the grids that are sweeps, or all grids.
     rounds : int
         Largest number of timed rounds per scene; 0 for no timing.
     budget : float
@@ -53,7 +54,7 @@ class Preset:
     """
 
     size: tuple[int, int]
-    grid: bool
+    grid: Literal["default", "sweeps", "all"]
     rounds: int
     budget: float
     permutations: int = 4
@@ -64,16 +65,16 @@ class Preset:
 
 
 PRESETS = {
-    "quick": Preset((256, 256), grid=False, rounds=9, budget=4.0, every=False),
-    "standard": Preset((512, 512), grid=True, rounds=15, budget=60.0, permutations=16),
-    "paper": Preset((1280, 720), grid=True, rounds=31, budget=600.0, permutations=16),
+    "quick": Preset((256, 256), grid="default", rounds=9, budget=4.0, every=False),
+    "standard": Preset((512, 512), grid="sweeps", rounds=15, budget=60.0, permutations=16),
+    "paper": Preset((1280, 720), grid="all", rounds=31, budget=600.0, permutations=16),
     # For checks against a baseline: metrics and counts, which every run repeats.
-    "guard": Preset((128, 128), grid=False, rounds=0, budget=0.0, truths=(EXACT,)),
+    "guard": Preset((128, 128), grid="default", rounds=0, budget=0.0, truths=(EXACT,)),
     # Methods with random numbers over time. Sub-pixels multiply their samples, so they also run
     # without any.
     "noise": Preset(
         (256, 256),
-        grid=False,
+        grid="default",
         rounds=0,
         budget=0.0,
         permutations=0,
@@ -253,13 +254,16 @@ def _preset_methods(catalog: Catalog, preset: Preset) -> list[str]:
         for entry in entries
         if (preset.every or entry.quick) and preset.values.keys() <= entry.parameters.keys()
     ]
-    return [
-        selectors.selector(
-            entry.name,
-            selectors.grids(entry.parameters) if preset.grid else preset.values,
-        )
-        for entry in chosen
-    ]
+    return [selectors.selector(entry.name, _values(entry.parameters, preset)) for entry in chosen]
+
+
+def _values(
+    parameters: Mapping[str, AnyParameter], preset: Preset
+) -> Mapping[str, tuple[Value, ...]]:
+    """Return the values of parameters that a preset runs beside their defaults."""
+    if preset.grid == "all":
+        return selectors.grids(parameters)
+    return selectors.sweeps(parameters) if preset.grid == "sweeps" else preset.values
 
 
 def _expand_effects(
