@@ -49,6 +49,9 @@ class Preset:
         Keys of the truths to score against by default.
     grids : tuple of int
         Sides of the sub-pixel grids of accuracy images.
+    traced_size : (int, int), optional
+        Of stored references. Where its sub-pixels are the pixels of a cell, traced truths have this
+        size, and not the cell's.
     values : mapping of str to tuple
         Values of parameters that are run; methods that lack one of these parameters are not.
     """
@@ -61,12 +64,20 @@ class Preset:
     every: bool = True
     truths: tuple[str, ...] = tuple(TRUTHS)
     grids: tuple[int, ...] = (2,)
+    traced_size: tuple[int, int] | None = None
     values: Mapping[str, tuple[Value, ...]] = field(default_factory=dict)
+
+    def reduces(self, size: tuple[int, int], grid: int) -> bool:
+        """Return whether the pixels of cells are sub-pixels of the size of stored references."""
+        wanted = self.traced_size
+        return wanted is not None and size == (wanted[0] * grid, wanted[1] * grid) != wanted
 
 
 PRESETS = {
     "quick": Preset((256, 256), grid="default", rounds=9, budget=4.0, every=False),
-    "standard": Preset((512, 512), grid="sweeps", rounds=15, budget=60.0, permutations=16),
+    "standard": Preset(
+        (512, 512), grid="sweeps", rounds=15, budget=60.0, permutations=16, traced_size=(256, 256)
+    ),
     "paper": Preset((1280, 720), grid="all", rounds=31, budget=600.0, permutations=16),
     # For checks against a baseline: metrics and counts, which every run repeats.
     "guard": Preset((128, 128), grid="default", rounds=0, budget=0.0, truths=(EXACT,)),
@@ -219,18 +230,19 @@ def plan_matrix(
     seconds = LOAD_SECONDS if timeout is None else min(timeout, LOAD_SECONDS)
     wanted = (EXACT, *(truths or chosen.truths))
     kept = tuple(truth for truth in TRUTHS if truth in wanted)
-    settings = (seed, chosen.permutations, kept)
+    settings, traced = (seed, chosen.permutations, kept), kept != (EXACT,)
     with Catalog(collections, limit, seconds) as catalog:
         chosen_scenes = catalog.expand_scenes(scenes or _preset_scenes(catalog, chosen))
         chosen_methods = catalog.expand_methods(methods or _preset_methods(catalog, chosen))
         pairs = [
-            (Cell(scene.label, method.label, size, grid, effect, *settings, one, view), error)
+            (Cell(scene.label, method.label, size, grid, effect, *settings, *rest), error)
             for scene in chosen_scenes
             for view in cameras
             for one in shadings
             for grid in grids
             for method, axis in _expand_effects(catalog, scene, chosen_methods, effects, timeout)
             for effect in axis
+            for rest in [(one, view, traced and chosen.reduces(size, grid))]
             for error in [scene.error or method.error]
         ]
     return Matrix(

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import re
+from typing import Any
 
 import pytest
 
 from oitbench import parameters
 from oitbench.errors import UsageError
+from oitbench.matrix.cell import Cell
 from oitbench.matrix.plan import PRESETS, plan_matrix
 from oitbench.places import own_folder
 from oitbench.plugins import Collection
@@ -79,3 +81,22 @@ def test_the_readme_counts_the_cells_of_the_larger_presets(preset: str) -> None:
     found = re.search(counted, readme)
     assert found is not None
     assert int(found[1]) == len(plan_matrix(preset=preset).cells)
+
+
+def test_standard_compares_traced_truths_at_the_size_of_stored_references() -> None:
+    def sizes(**options: Any) -> set[tuple[int, int]]:
+        cells = plan_matrix(["layer_stack"], ["a_buffer"], "standard", **options).cells
+        return {cell.traced_size for cell in cells}
+
+    assert sizes() == {(256, 256)}
+    # Elsewhere, no picture has their size.
+    for other in ((256, 256), (500, 512)):
+        assert sizes(size=other) == {other}
+    assert sizes(ssaa=1) == {(512, 512)}
+
+
+@pytest.mark.parametrize(
+    ("size", "small"), [((512, 512), (128, 128)), ((1280, 720), (256, 144)), ((64, 48), (64, 48))]
+)
+def test_permuted_draws_have_small_pictures(size: tuple[int, int], small: tuple[int, int]) -> None:
+    assert Cell("layer_stack", "a_buffer", size).order_size == small
