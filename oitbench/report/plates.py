@@ -66,11 +66,14 @@ def display(image: Image, stops: float) -> Image:
 def show_truth(context: ReportContext, panel: Panel, truth: str, folder: Path) -> Shown:
     """Return the tile of a truth, after writing its picture to `folder`."""
     image = first_image(context, panel, truth)
+    text = truth_text(context, panel, truth)
+    if image is not None and image.shape[1::-1] != panel.size:
+        text += ("{1} × {0}".format(*image.shape),)
     tile = Tile(
         truth_label(panel, truth),
         None,
         None,
-        truth_text(context, panel, truth),
+        text,
         "" if image is not None else why_no_truth(context, panel.cells, truth),
         truth=True,
     )
