@@ -31,7 +31,10 @@ class Parameter(Generic[V]):
     low, high : float, optional
         Inclusive bounds of a number.
     grid : tuple, optional
-        Values that the larger presets run. Default: only `default`.
+        Values that the preset `paper` runs. Default: only `default`.
+    sweep : bool
+        The grid trades cost for accuracy: `standard` runs it, too, and the report joins its values
+        to a curve.
     help : str
         Meaning and unit, in one line.
     """
@@ -41,6 +44,7 @@ class Parameter(Generic[V]):
     low: float | None = None
     high: float | None = None
     grid: tuple[V, ...] = ()
+    sweep: bool = False
     help: str = ""
 
     def __post_init__(self) -> None:
@@ -49,6 +53,8 @@ class Parameter(Generic[V]):
             if type(value) not in (bool, int, float, str) or not finite:
                 allowed = "a finite number, true, false or text"
                 raise UsageError(f"a value of a parameter is {value!r}; it must be {allowed}")
+        if self.sweep and self.default not in self.grid:
+            raise UsageError(f"a parameter sweeps {self.grid}, but its default is {self.default}")
 
     @overload
     def __get__(self, instance: None, owner: type) -> Parameter[V]: ...
@@ -145,8 +151,13 @@ def without(label: str, key: str) -> str:
 
 
 def grids(parameters: Mapping[str, AnyParameter]) -> dict[str, tuple[Value, ...]]:
-    """Return the values that the larger presets run, by parameter."""
+    """Return the grids of all parameters that have one."""
     return {key: parameter.grid for key, parameter in parameters.items() if parameter.grid}
+
+
+def sweeps(parameters: Mapping[str, AnyParameter]) -> dict[str, tuple[Value, ...]]:
+    """Return the grids of all parameters that trade cost for accuracy."""
+    return {key: parameter.grid for key, parameter in parameters.items() if parameter.sweep}
 
 
 def expand(parsed: Selector, parameters: Mapping[str, AnyParameter]) -> Iterator[dict[str, Value]]:

@@ -106,3 +106,9 @@ def test_a_label_without_a_parameter() -> None:
     assert without("lists[node=compact,size=4]", "size") == "lists[node=compact]"
     assert without("lists[size=4]", "size") == "lists"
     assert without("lists", "size") == "lists"
+
+
+def test_a_sweep_contains_its_default() -> None:
+    assert Parameter(4, grid=(2, 4), sweep=True).sweep
+    with pytest.raises(UsageError, match=r"sweeps \(2, 8\), but its default is 4"):
+        Parameter(4, grid=(2, 8), sweep=True)

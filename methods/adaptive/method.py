@@ -42,7 +42,9 @@ _MOST_FLOAT_NODES = 16
 
 class Adaptive(CurveMethod):
     family = "lists"
-    nodes = oit.Parameter(8, low=2, high=32, grid=(4, 8, 16), help="N, steps of a curve")
+    nodes = oit.Parameter(
+        8, low=2, high=32, grid=(2, 4, 8, 16, 32), sweep=True, help="N, steps of a curve"
+    )
     removal = oit.Parameter(
         "under",
         choices=("under", "over", "best"),

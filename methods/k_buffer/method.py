@@ -26,7 +26,9 @@ from oitbench.method.kits.bounded_nodes import NODES, BoundedNodes
 class KBuffer(BoundedNodes):
     family = "lists"
     quick = False
-    k = oit.Parameter(8, choices=(1, 2, 4, 8, 16), grid=(4, 8, 16), help="nodes per pixel")
+    k = oit.Parameter(
+        8, choices=(1, 2, 4, 8, 16), grid=(2, 4, 8, 16), sweep=True, help="nodes per pixel"
+    )
     node = oit.Parameter(
         "8-bit",
         choices=tuple(NODES),

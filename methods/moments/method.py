@@ -51,7 +51,9 @@ class Moments(oit.Method):
         grid=("power", "trigonometric"),
         help="functions of depth; n / 2 complex trigonometric ones",
     )
-    count = oit.Parameter(6, choices=(4, 6, 8), grid=(4, 6, 8), help="n, numbers beside b_0")
+    count = oit.Parameter(
+        6, choices=(4, 6, 8), grid=(4, 6, 8), sweep=True, help="n, numbers beside b_0"
+    )
     storage = oit.Parameter("float", choices=("float", "unorm16"), help="of moments")
     overestimation = oit.Parameter(0.25, low=0.0, high=1.0, help="kappa: 0, 0.1 and 0.25 are usual")
     depth = oit.Parameter(

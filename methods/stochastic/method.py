@@ -52,7 +52,11 @@ class Stochastic(oit.Method):
     quick = False
     expresses = oit.Effect.COVERAGE
     samples = oit.Parameter(
-        16, choices=(4, 8, 12, 16, 24, 32, 48, 64), grid=(8, 16, 64), help="S, per pixel"
+        16,
+        choices=(4, 8, 12, 16, 24, 32, 48, 64),
+        grid=(4, 8, 16, 64),
+        sweep=True,
+        help="S, per pixel",
     )
     correction = oit.Parameter(
         "depth",

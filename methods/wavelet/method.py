@@ -34,7 +34,9 @@ from oitbench.method.kits.absorbance import AbsorbanceMap
 class Wavelet(AbsorbanceMap):
     family = "curves"
     quick = False
-    rank = oit.Parameter(3, choices=(1, 2, 3), grid=(1, 2, 3), help="highest level of wavelets")
+    rank = oit.Parameter(
+        3, choices=(1, 2, 3), grid=(1, 2, 3), sweep=True, help="highest level of wavelets"
+    )
     precision = oit.Parameter("float", choices=("half", "float"), help="of coefficients in targets")
     correction = oit.Parameter(True, help="a layer does not hide itself")
     normalized = oit.Parameter(True, help="divide the sum of layers by the sum of their weights")

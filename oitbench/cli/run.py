@@ -28,8 +28,9 @@ if TYPE_CHECKING:
     type=click.Choice(["quick", "standard", "paper", "guard", "noise"]),
     default="quick",
     show_default=True,
-    help="Size, parameter grid and rounds of timing. noise: random methods over 1 to 64 frames,"
-    " with and without sub-pixels.",
+    help="Size, parameters and rounds of timing. standard: all methods and scenes, and sweeps of"
+    " cost; paper: all parameter grids; noise: random methods over 1 to 64 frames, with and without"
+    " sub-pixels.",
 )
 @click.option(
     "--scene",

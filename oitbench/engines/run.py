@@ -36,6 +36,7 @@ from oitbench.measure.intervals import interval
 from oitbench.measure.rounds import Schedule
 from oitbench.method.ablation import REQUESTED
 from oitbench.places import PluginFiles
+from oitbench.results.pictures import PICTURE, compared
 from oitbench.results.records import Results
 from oitbench.results.schema import CellKey, Record
 from oitbench.truths import TRUTHS
@@ -156,7 +157,10 @@ class _Desk:
         if row.status == "failed":
             return row
         assert base.outcome is not None
-        truths = {name: base.outcome.images[name] for name in TRUTHS if name in base.outcome.images}
+        images = base.outcome.images
+        # Truths of another size than the picture cannot be compared with pictures of engines.
+        same = (name for name in TRUTHS if compared(base.outcome, name) == PICTURE)
+        truths = {name: images[name] for name in same if name in images}
         try:
             # Known without building the scene, which may take long.
             require_coverage_alone(row.place.scene, effects_of(base.requested_effects))

@@ -15,8 +15,8 @@ from oitbench.method.declaration import Method
 _PACKAGE = Path(__file__).resolve().parents[1]
 _ENGINE = (
     "effects.py", "gl", "image/files.py", "matrix/bench.py", "matrix/cell.py",
-    "matrix/scoring.py", "matrix/stage.py", "matrix/timed_cells.py", "measure", "method",
-    "parameters.py", "scene", "shading.py", "truths.py",
+    "matrix/plain_frames.py", "matrix/scoring.py", "matrix/stage.py", "matrix/timed_cells.py",
+    "measure", "method", "parameters.py", "scene", "shading.py", "truths.py",
 )  # fmt: skip
 """Sources that can change a pixel, a count or a time. What scenes are built with is not among them,
 because a scene's fingerprint covers the result."""

@@ -36,6 +36,8 @@ NAMES = (FLIP_LDR, FLIP_HDR, SSIM, PSNR, RMSE, RELMSE)
 
 _PIXELS_PER_DEGREE = 3840 * math.pi / 180
 """The viewing conditions of the FLIP papers: 0.7 m from a screen 0.7 m and 3840 pixels wide."""
+_REACH = math.ceil(3 * math.sqrt(0.04 / (2 * math.pi**2)) * _PIXELS_PER_DEGREE)
+"""Radius in pixels of the widest filter of FLIP: three standard deviations."""
 _HDR_STOPS = 2.0
 """HDR-FLIP uses three exposures: the scene's own, and this many stops below and above it."""
 _HDR_IMAGES = 3
@@ -238,18 +240,32 @@ def _hdr_map(pair: tuple[Image, Image], exposure: float) -> Image:
 
 
 def _evaluate_flip(reference: Image, test: Image, kind: str, fixed: Mapping[str, float]) -> Image:
+    """Return the map of FLIP. Only the surroundings of pixels that differ are evaluated."""
     import flip_evaluator
 
+    found = np.zeros(reference.shape[:2], np.float32)
+    differs = (reference != test).any(axis=-1)
+    if not differs.any():
+        return found
+    box = tuple(_around(differs.any(axis=other)) for other in (1, 0))
     errors, _, _ = flip_evaluator.evaluate(
-        np.ascontiguousarray(reference),
-        np.ascontiguousarray(test),
+        np.ascontiguousarray(reference[box]),
+        np.ascontiguousarray(test[box]),
         kind,
         inputsRGB=True,  # The evaluator's name for "sRGB-encoded"; it ignores this for HDR.
         applyMagma=False,
         computeMeanError=False,
         parameters={"ppd": _PIXELS_PER_DEGREE, **fixed},
     )
-    return np.array(errors[..., 0], dtype=np.float32)
+    found[box] = errors[..., 0]
+    return found
+
+
+def _around(differs: npt.NDArray[np.bool_]) -> slice:
+    """Return the range of places whose error, or whose neighbor's, may not be zero."""
+    places = np.flatnonzero(differs)
+    # An error reaches as far as a filter, and so does what the filter reads there.
+    return slice(max(0, int(places[0]) - 2 * _REACH), int(places[-1]) + 1 + 2 * _REACH)
 
 
 def _ssim(displayed: tuple[Image, Image]) -> float | None:

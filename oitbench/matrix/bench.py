@@ -11,41 +11,37 @@ from pathlib import Path
 import msgspec
 
 from oitbench.effects import Effect, names
-from oitbench.errors import CapabilityError, DeclarationError, OitbenchError, StorageError
+from oitbench.errors import CapabilityError, OitbenchError, StorageError
 from oitbench.gl.device import Device
-from oitbench.gl.frame import Frame, Image
+from oitbench.gl.frame import Frame
 from oitbench.gl.limits import check_size
-from oitbench.gl.plan import FramePlan
 from oitbench.gl.uploaded_scene import UploadedScene
-from oitbench.image import metrics, stored
+from oitbench.image import files, metrics, stored
 from oitbench.image.files import Channels
 from oitbench.image.stored import StoredImage
 from oitbench.matrix.cell import Cell, choose_effects
 from oitbench.matrix.identity import Identities
+from oitbench.matrix.plain_frames import PlainFrames
 from oitbench.matrix.scoring import Scorer, disagreement
-from oitbench.matrix.stage import Exact, Stage, Truth, with_transmittance
+from oitbench.matrix.stage import Stage, Truth, with_transmittance
 from oitbench.matrix.timed_cells import ScoredCell, Timing, time_cells
-from oitbench.measure import accounting
 from oitbench.measure.rounds import Schedule
 from oitbench.method.declaration import Method
 from oitbench.parameters import parse
 from oitbench.plugins import Collection
+from oitbench.results.pictures import REDUCED
 from oitbench.results.schema import (
     COMPLEXITY,
     TRANSMITTANCE,
     WHOLE,
     EffectNames,
     Fingerprints,
-    Memory,
     Nonfinite,
     Outcome,
-    PassRuns,
     Record,
     Renderer,
     Scores,
-    SharedShading,
     Status,
-    Traffic,
 )
 from oitbench.results.store import IMAGES
 from oitbench.scene import Scene
@@ -80,16 +76,6 @@ class Stopwatch:
         """Return the seconds since the last call."""
         spent, self.spent = self.spent, {}
         return spent
-
-
-@dataclass(frozen=True)
-class _Cost:
-    """Accounts of one frame without sub-pixels."""
-
-    passes: list[PassRuns]
-    memory: Memory
-    traffic: Traffic
-    shading: SharedShading
 
 
 class Bench:
@@ -185,17 +171,22 @@ class Bench:
         effects = chosen & method.shows
         self._on_step(_DRAWING_TRUTH)
         with self.watch.running("rendering"):
-            exact = stage.exact(chosen)
+            exact = stage.exact(chosen, cell.size)
+            reduced = stage.exact(chosen, cell.traced_size)
         self._on_step(_DRAWING)
         with self.watch.running("rendering"):
             with Frame(uploaded, method, fine, effects) as frame:
                 image, transmittance = with_transmittance(frame, cell.ssaa)
                 plan = frame.plan
-            cost = _count(stage.coarse, method, cell.size, effects, plan)
+            frames = PlainFrames(stage, cell, method, effects, plan)
+            cost = frames.count()
         with self.watch.running("permutations"):
-            spread = _order_spread(stage.coarse, method, cell, effects, plan)
-        scorer = Scorer(stage, exact, image, self._store)
-        scores, reason = self._score_all(stage, cell, chosen, exact, scorer)
+            spread = frames.order_spread()
+        scorer = traced = Scorer(stage, exact, image, self._store)
+        if cell.reduced:
+            small = files.box_downsample(cost.image, cell.ssaa)
+            traced = Scorer(stage, reduced, small, self._store, REDUCED)
+        scores, reason = self._score_all(stage, cell, chosen, scorer, traced)
         rmse = metrics.rmse_transmittance(exact.transmittance, transmittance)
         own = scores[EXACT].metrics | spread | {metrics.TRANSMITTANCE: rmse}
         scores[EXACT] = msgspec.structs.replace(scores[EXACT], metrics=own)
@@ -215,6 +206,7 @@ class Bench:
             nonfinite=Nonfinite(**metrics.count_nonfinite(image)),
             scores=scores,
             images=scorer.images
+            | traced.images
             | {COMPLEXITY: stage.complexity(effects), TRANSMITTANCE: exact.stored},
             exposure=scene.exposure,
             demands=plan.demands,
@@ -242,27 +234,31 @@ class Bench:
         return stored.store(self.folder, f"{IMAGES}/{kind}", channels)
 
     def _score_all(
-        self, stage: Stage, cell: Cell, chosen: Effect, exact: Exact, scorer: Scorer
+        self, stage: Stage, cell: Cell, chosen: Effect, scorer: Scorer, traced: Scorer
     ) -> tuple[dict[str, Scores], str]:
-        """Return the scores against all truths, and why truths contradict each other, or ""."""
+        """Return the scores against all truths, and why truths contradict each other, or "".
+
+        `traced` scores against traced truths, whose pictures may be smaller.
+        """
         with self.watch.running("metrics"):
-            scores = {EXACT: scorer.score(EXACT, exact.truth)}
+            scores = {EXACT: scorer.score(EXACT, scorer.exact.truth)}
         reason = ""
         for kind in TRACED:
             if kind not in cell.truths:
                 scores[kind] = Scores(reason=_LEFT_OUT)
                 continue
-            truth = self._traced(stage, kind, chosen)
-            scores[kind] = self._score(scorer, kind, truth)
+            truth = self._traced(stage, cell, kind, chosen)
+            scores[kind] = self._score(traced, kind, truth)
             if kind == MATCHED and isinstance(truth, Truth):
-                reason = self._disagreement(stage, chosen, exact.truth, truth)
+                reason = self._disagreement(stage, chosen, traced.exact.truth, truth)
         if stage.scene.effects & ~chosen:
             kind = ranking_truth(stage.scene.effects)
             if kind == EXACT:
-                scores[WHOLE] = self._score(scorer, WHOLE, stage.exact(~Effect.NONE).truth)
+                complete = stage.exact(~Effect.NONE, cell.size).truth
+                scores[WHOLE] = self._score(scorer, WHOLE, complete)
             elif kind in cell.truths:
-                whole = self._traced(stage, kind, ~Effect.NONE)
-                scores[WHOLE] = self._score(scorer, WHOLE, whole)
+                whole = self._traced(stage, cell, kind, ~Effect.NONE)
+                scores[WHOLE] = self._score(traced, WHOLE, whole)
         return scores, reason
 
     def _disagreement(self, stage: Stage, chosen: Effect, exact: Truth, matched: Truth) -> str:
@@ -273,7 +269,9 @@ class Bench:
             stage.disagreements[running] = found
         return stage.disagreements[running]
 
-    def _traced(self, stage: Stage, kind: str, chosen: Effect) -> Truth | CapabilityError:
+    def _traced(
+        self, stage: Stage, cell: Cell, kind: str, chosen: Effect
+    ) -> Truth | CapabilityError:
         """Return a traced truth, or why this machine cannot render it."""
 
         def progress(done: int, count: int) -> None:
@@ -283,7 +281,8 @@ class Bench:
         self._on_step(_TRACING)
         try:
             with self.watch.running("references"):
-                return stage.traced(kind, chosen, self.collection.folders, progress)
+                size, folders = cell.traced_size, self.collection.folders
+                return stage.traced(kind, chosen, size, folders, progress)
         except CapabilityError as error:
             return error
 
@@ -319,49 +318,6 @@ def _without_fragments(record: Record, scene: Scene) -> Record:
     if not scene.transparent and scene.lists is None:
         return record
     return record.suspect("no fragment of a transparent object was drawn; check the camera")
-
-
-def _require_same(plan: FramePlan, scored: FramePlan, when: str) -> None:
-    """Raise `DeclarationError` if a frame does not draw what the scored frame draws."""
-    if plan.digest != scored.digest:
-        raise DeclarationError(
-            f"{plan.label}: plan returns other passes when {when}; it must depend on parameters and"
-            " its request alone"
-        )
-
-
-def _count(
-    uploaded: UploadedScene,
-    method: Method,
-    size: tuple[int, int],
-    effects: Effect,
-    scored: FramePlan,
-) -> _Cost:
-    """Count memory and traffic of one frame without sub-pixels."""
-    with Frame(uploaded, method, size, effects, counted=True) as frame:
-        _require_same(frame.plan, scored, "it is counted")
-        frame.render()
-        measured = frame.measure()
-        return _Cost(
-            [PassRuns(record.name, record.runs) for record in measured.passes],
-            accounting.memory(frame),
-            accounting.traffic(frame, measured),
-            accounting.shading(frame, measured),
-        )
-
-
-def _order_spread(
-    uploaded: UploadedScene, method: Method, cell: Cell, effects: Effect, scored: FramePlan
-) -> dict[str, float | None]:
-    with Frame(uploaded, method, cell.size, effects) as frame:
-        _require_same(frame.plan, scored, "its draws are permuted")
-
-        def permuted() -> Iterator[Image]:
-            for number in range(1, cell.permutations + 1):
-                frame.render(permutation=number)
-                yield frame.image()
-
-        return metrics.order_spread(permuted())
 
 
 def _unstable_pixels(counts: Nonfinite) -> str:

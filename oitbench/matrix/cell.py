@@ -14,6 +14,9 @@ from oitbench.shading import ShadingSettings, read_shading
 from oitbench.truths import TRUTHS
 from oitbench.views import MAIN, seen
 
+_ORDER_SIDE = 128
+"""Pixels of the shorter side at which pictures of permuted draws show what their order changes."""
+
 
 class Cell(Struct, frozen=True):
     """The description of a cell in names alone, so that it can be sent to another process.
@@ -31,14 +34,16 @@ class Cell(Struct, frozen=True):
         that depend on them are left out too (`oitbench.method.ablation.NEEDS`).
     seed : int
     permutations : int
-        Random orders of the draws in which the image is rendered again, without sub-pixels, to
-        measure how far it depends on them.
+        Random orders of the draws in which the image is rendered again, small and without
+        sub-pixels, to measure how far it depends on them.
     truths : tuple of str
         Keys of the truths to score against; the exact one is always among them.
     shading : str
         Settings of shared shading that differ from their defaults, as `ShadingSettings.label`.
     view : str
         Name of the scene's camera; see `Scene.from_view`.
+    reduced : bool
+        Compare traced truths with a smaller picture, whose sub-pixels are the pixels of `size`.
     """
 
     scene: str
@@ -51,6 +56,20 @@ class Cell(Struct, frozen=True):
     truths: tuple[str, ...] = tuple(TRUTHS)
     shading: str = ""
     view: str = MAIN
+    reduced: bool = False
+
+    @property
+    def traced_size(self) -> tuple[int, int]:
+        """Width and height in pixels of the picture that traced truths are compared with."""
+        width, height = self.size
+        return (width // self.ssaa, height // self.ssaa) if self.reduced else self.size
+
+    @property
+    def order_size(self) -> tuple[int, int]:
+        """Width and height in pixels of the pictures of permuted draws."""
+        width, height = self.size
+        factor = max(1, min(self.size) // _ORDER_SIDE)
+        return width // factor, height // factor
 
     @property
     def key(self) -> CellKey:

@@ -98,7 +98,7 @@ class Identities:
         from oitbench.path_traced.references.lookup import truth_fingerprint
         from oitbench.path_traced.references.wanted import Wanted
 
-        wanted = Wanted(scene, cell.scene, cell.size, cell.ssaa, kind, chosen, cell.view)
+        wanted = Wanted(scene, cell.scene, cell.traced_size, cell.ssaa, kind, chosen, cell.view)
         place = wanted.key, wanted.grid
         if place not in self._truths:
             self._truths[place] = truth_fingerprint(wanted, self._collection.folders)

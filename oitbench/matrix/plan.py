@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Literal
 
 from oitbench import parameters as selectors
 from oitbench.catalog.catalog import LOAD_SECONDS, Catalog, Choice
@@ -15,7 +16,7 @@ from oitbench.executors.places import Place
 from oitbench.matrix.cell import Cell, choose_effects
 from oitbench.measure.rounds import Schedule
 from oitbench.method.ablation import EACH, REQUESTED
-from oitbench.parameters import Value
+from oitbench.parameters import AnyParameter, Value
 from oitbench.places import PluginFiles
 from oitbench.shading import parse_shading
 from oitbench.truths import EXACT, TRUTHS
@@ -34,8 +35,8 @@ class Preset:
     ----------
     size : (int, int)
         Width and height in pixels.
-    grid : bool
-        Run every parameter's grid, or only its default.
+    grid : {"default", "sweeps", "all"}
+        Values of parameters that are run: defaults, also the grids that are sweeps, or all grids.
     rounds : int
         Largest number of timed rounds per scene; 0 for no timing.
     budget : float
@@ -48,32 +49,43 @@ class Preset:
         Keys of the truths to score against by default.
     grids : tuple of int
         Sides of the sub-pixel grids of accuracy images.
+    traced_size : (int, int), optional
+        Of stored references. Where its sub-pixels are the pixels of a cell, traced truths have this
+        size, and not the cell's.
     values : mapping of str to tuple
         Values of parameters that are run; methods that lack one of these parameters are not.
     """
 
     size: tuple[int, int]
-    grid: bool
+    grid: Literal["default", "sweeps", "all"]
     rounds: int
     budget: float
     permutations: int = 4
     every: bool = True
     truths: tuple[str, ...] = tuple(TRUTHS)
     grids: tuple[int, ...] = (2,)
+    traced_size: tuple[int, int] | None = None
     values: Mapping[str, tuple[Value, ...]] = field(default_factory=dict)
+
+    def reduces(self, size: tuple[int, int], grid: int) -> bool:
+        """Return whether the pixels of cells are sub-pixels of the size of stored references."""
+        wanted = self.traced_size
+        return wanted is not None and size == (wanted[0] * grid, wanted[1] * grid) != wanted
 
 
 PRESETS = {
-    "quick": Preset((256, 256), grid=False, rounds=9, budget=4.0, every=False),
-    "standard": Preset((512, 512), grid=True, rounds=15, budget=60.0, permutations=16),
-    "paper": Preset((1280, 720), grid=True, rounds=31, budget=600.0, permutations=16),
+    "quick": Preset((256, 256), grid="default", rounds=9, budget=4.0, every=False),
+    "standard": Preset(
+        (512, 512), grid="sweeps", rounds=15, budget=60.0, permutations=16, traced_size=(256, 256)
+    ),
+    "paper": Preset((1280, 720), grid="all", rounds=31, budget=600.0, permutations=16),
     # For checks against a baseline: metrics and counts, which every run repeats.
-    "guard": Preset((128, 128), grid=False, rounds=0, budget=0.0, truths=(EXACT,)),
+    "guard": Preset((128, 128), grid="default", rounds=0, budget=0.0, truths=(EXACT,)),
     # Methods with random numbers over time. Sub-pixels multiply their samples, so they also run
     # without any.
     "noise": Preset(
         (256, 256),
-        grid=False,
+        grid="default",
         rounds=0,
         budget=0.0,
         permutations=0,
@@ -223,18 +235,19 @@ def plan_matrix(
     seconds = LOAD_SECONDS if timeout is None else min(timeout, LOAD_SECONDS)
     wanted = (EXACT, *(truths or chosen.truths))
     kept = tuple(truth for truth in TRUTHS if truth in wanted)
-    settings = (seed, chosen.permutations, kept)
+    settings, traced = (seed, chosen.permutations, kept), kept != (EXACT,)
     with Catalog(collections, place.memory_limit, seconds) as catalog:
         chosen_scenes = catalog.expand_scenes(scenes or _preset_scenes(catalog, chosen))
         chosen_methods = catalog.expand_methods(methods or _preset_methods(catalog, chosen))
         pairs = [
-            (Cell(scene.label, method.label, size, grid, effect, *settings, one, view), error)
+            (Cell(scene.label, method.label, size, grid, effect, *settings, *rest), error)
             for scene in chosen_scenes
             for view in cameras
             for one in shadings
             for grid in grids
             for method, axis in _expand_effects(catalog, scene, chosen_methods, effects, timeout)
             for effect in axis
+            for rest in [(one, view, traced and chosen.reduces(size, grid))]
             for error in [scene.error or method.error]
         ]
     return Matrix(
@@ -258,13 +271,16 @@ def _preset_methods(catalog: Catalog, preset: Preset) -> list[str]:
         for entry in entries
         if (preset.every or entry.quick) and preset.values.keys() <= entry.parameters.keys()
     ]
-    return [
-        selectors.selector(
-            entry.name,
-            selectors.grids(entry.parameters) if preset.grid else preset.values,
-        )
-        for entry in chosen
-    ]
+    return [selectors.selector(entry.name, _values(entry.parameters, preset)) for entry in chosen]
+
+
+def _values(
+    parameters: Mapping[str, AnyParameter], preset: Preset
+) -> Mapping[str, tuple[Value, ...]]:
+    """Return the values of parameters that a preset runs beside their defaults."""
+    if preset.grid == "all":
+        return selectors.grids(parameters)
+    return selectors.sweeps(parameters) if preset.grid == "sweeps" else preset.values
 
 
 def _expand_effects(

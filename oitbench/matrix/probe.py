@@ -68,7 +68,7 @@ def probe_truths(scene: Scene, cell: Cell, folders: Sequence[Path]) -> TruthsPro
     for kind in TRACED:
         if kind not in cell.truths:
             continue
-        wanted = Wanted(scene, cell.scene, cell.size, cell.ssaa, kind, chosen, cell.view)
+        wanted = Wanted(scene, cell.scene, cell.traced_size, cell.ssaa, kind, chosen, cell.view)
         try:
             reference = find_finished(wanted, folders)
         except OitbenchError:

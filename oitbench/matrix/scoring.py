@@ -12,6 +12,7 @@ from oitbench.gl.frame import Image
 from oitbench.image import files, metrics
 from oitbench.image.stored import StoredImage
 from oitbench.matrix.stage import Exact, Stage, Store, Truth
+from oitbench.results.pictures import PICTURE
 from oitbench.results.schema import Scores, flip_image
 from oitbench.truths import EXACT, ranking_truth
 
@@ -64,17 +65,22 @@ class Scorer:
         It says which pixels have transparent fragments.
     image : array, shape (h, w, 3), float32
     store : Store
+    kind : str
+        Kind of the picture among the images of a cell.
 
     Attributes
     ----------
+    exact : Exact
     images : dict of str to StoredImage
         The picture, the truths that it was scored against, and its maps of FLIP.
     """
 
-    def __init__(self, stage: Stage, exact: Exact, image: Image, store: Store) -> None:
-        self._exposure, self._transparent = stage.scene.exposure, exact.transparent
+    def __init__(
+        self, stage: Stage, exact: Exact, image: Image, store: Store, kind: str = PICTURE
+    ) -> None:
+        self.exact, self._exposure = exact, stage.scene.exposure
         self._image, self._store = image, store
-        self.images: dict[str, StoredImage] = {"color": store("color", files.image_channels(image))}
+        self.images: dict[str, StoredImage] = {kind: store(kind, files.image_channels(image))}
 
     def score(self, kind: str, truth: Truth) -> Scores:
         """Return all metrics against a truth, whose images are stored under `kind`."""
@@ -89,8 +95,8 @@ class Scorer:
             evaluation.values,
             dict(truth.noise_floor),
             self._jackknife(truth) if evaluation.maps else {},
-            means_where(evaluation.maps, self._transparent),
-            means_where(evaluation.maps, ~self._transparent),
+            means_where(evaluation.maps, self.exact.transparent),
+            means_where(evaluation.maps, ~self.exact.transparent),
             truth.facts,
             message=truth.message,
         )

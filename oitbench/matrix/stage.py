@@ -113,8 +113,8 @@ class Stage:
     method: Method
     store: Store
     disagreements: dict[Effect, str] = field(default_factory=dict, init=False)
-    _coarse: UploadedScene | None = field(default=None, init=False)
-    _exact: dict[Effect, Exact] = field(default_factory=dict, init=False)
+    _others: dict[int, UploadedScene] = field(default_factory=dict, init=False)
+    _exact: dict[tuple[Effect, tuple[int, int]], Exact] = field(default_factory=dict, init=False)
     _traced: dict[str, Truth | OitbenchError] = field(default_factory=dict, init=False)
 
     @property
@@ -125,18 +125,22 @@ class Stage:
     @property
     def coarse(self) -> UploadedScene:
         """The scene for frames without sub-pixels."""
-        if self.ssaa == 1 or not self.scene.by_pixel:
+        return self.at(self.size[1])
+
+    def at(self, rows: int) -> UploadedScene:
+        """Return the scene for frames of some rows of pixels, sub-pixels included."""
+        if rows == self.size[1] * self.ssaa or not self.scene.by_pixel:
             return self.uploaded
-        if self._coarse is None:
-            fine = self.uploaded
-            self._coarse = UploadedScene(fine.device, fine.scene, fine.settings, self.size[1])
-        return self._coarse
+        if rows not in self._others:
+            known = self.uploaded
+            self._others[rows] = UploadedScene(known.device, known.scene, known.settings, rows)
+        return self._others[rows]
 
     def release(self) -> None:
         """Free the scene on the device."""
         self.uploaded.release()
-        if self._coarse is not None:
-            self._coarse.release()
+        for other in self._others.values():
+            other.release()
 
     @property
     def scene(self) -> Scene:
@@ -152,26 +156,33 @@ class Stage:
         counts = self.coarse.fragment_counts(self.size, effects)[::-1]
         return self.store(COMPLEXITY, files.count_channels(counts))
 
-    def exact(self, chosen: Effect) -> Exact:
-        """Return exact compositing of the scene, without the effects that are not chosen."""
+    def exact(self, chosen: Effect, size: tuple[int, int]) -> Exact:
+        """Return exact compositing of the scene, without the effects that are not chosen.
+
+        Parameters
+        ----------
+        chosen : Effect
+        size : (int, int)
+            Width and height of the picture in pixels.
+        """
         effects = self.scene.effects & chosen & self.method.shows
-        if effects not in self._exact:
-            fine = (self.size[0] * self.ssaa, self.size[1] * self.ssaa)
-            with Frame(self.uploaded, self.method, fine, effects) as frame:
+        if (effects, size) not in self._exact:
+            width, height = size
+            fine = (width * self.ssaa, height * self.ssaa)
+            with Frame(self.at(fine[1]), self.method, fine, effects) as frame:
                 image, transmittance = with_transmittance(frame, self.ssaa)
-                blocks = frame.complexity[::-1].reshape(
-                    self.size[1], self.ssaa, self.size[0], self.ssaa
-                )
+                blocks = frame.complexity[::-1].reshape(height, self.ssaa, width, self.ssaa)
             truth = Truth(image, self.store(EXACT, files.image_channels(image)))
             transparent = blocks.max(axis=(1, 3)) > 0
             stored = self.store(TRANSMITTANCE, files.image_channels(transmittance))
-            self._exact[effects] = Exact(truth, transmittance, stored, transparent)
-        return self._exact[effects]
+            self._exact[effects, size] = Exact(truth, transmittance, stored, transparent)
+        return self._exact[effects, size]
 
     def traced(
         self,
         kind: str,
         chosen: Effect,
+        size: tuple[int, int],
         folders: Iterable[Path],
         progress: Callable[[int, int], None],
     ) -> Truth:
@@ -183,6 +194,8 @@ class Stage:
             MATCHED or FULL.
         chosen : Effect
             Effects that are not left out.
+        size : (int, int)
+            Width and height of the picture in pixels.
         folders : iterable of Path
             Folders of collections.
         progress : callable
@@ -196,7 +209,7 @@ class Stage:
         from oitbench.path_traced.references.lookup import find_or_render
         from oitbench.path_traced.references.wanted import Wanted
 
-        wanted = Wanted(self.scene, self.label, self.size, self.ssaa, kind, chosen, self.view)
+        wanted = Wanted(self.scene, self.label, size, self.ssaa, kind, chosen, self.view)
         if wanted.key not in self._traced:
             try:
                 self._traced[wanted.key] = self._truth(

@@ -3,6 +3,9 @@
 All frames of a scene are timed together. In each round every method is timed twice, as a whole and
 by its passes. So are the shadow maps and the ambient occlusion, which all methods share, once for
 each set of effects. The opaque picture is timed once for each number format and sample count.
+
+A frame that takes more than a second is timed by its passes alone: the waits between them are
+nothing against it.
 """
 
 from __future__ import annotations
@@ -24,16 +27,22 @@ from oitbench.results.times import DISTURBED, Block, PassTime, Processor, Time
 
 OPAQUE_PICTURE = "opaque picture"
 """Name of the part of shading that is timed by itself."""
+LONG = 1.0
+"""Seconds of a frame that is timed once for itself and its passes."""
 _Kind = Literal["method", "passes", "opaque", "shading", "stages"]
 _Task = tuple[_Kind, Hashable]
 
 
 @dataclass(frozen=True)
 class MethodSample:
-    """Times of one frame in milliseconds; `sort` is None for a method that never sorts."""
+    """Times of one frame in milliseconds; `sort` is None for a method that never sorts.
+
+    `passes` are set if the frame was drawn pass by pass.
+    """
 
     sort: float | None
     drawn: Drawn
+    passes: Parts | None = None
 
     @property
     def ms(self) -> float:
@@ -88,7 +97,7 @@ def measure(
     now : callable
         Returns the time in seconds, by which the number of rounds is chosen.
     """
-    tasks = _tasks(frames, clock)
+    tasks = _tasks(frames, clock, now)
     attempts = [_attempt(tasks, schedule, meter, now)]
     if attempts[0].disturbed:
         attempts.append(_attempt(tasks, schedule, meter, now))
@@ -114,33 +123,67 @@ def _tasks_of(name: str, frame: Frame) -> dict[_Kind, _Task]:
     return {kind: (kind, key) for kind, key in keys.items()}
 
 
-def _tasks(frames: Mapping[str, Frame], clock: Clock) -> dict[_Task, Callable[[], object]]:
+def _tasks(
+    frames: Mapping[str, Frame], clock: Clock, now: Callable[[], float]
+) -> dict[_Task, Callable[[], object]]:
     """Return the tasks of all frames; frames with the same shading share its tasks."""
-    run: dict[_Kind, Callable[[Frame, Clock], object]] = {
-        "method": time_method,
-        "passes": _time_passes,
-        "opaque": _time_opaque,
-        "shading": _time_shading,
-        "stages": _time_stages,
-    }
-    return {
-        task: partial(run[kind], frame, clock)
-        for name, frame in frames.items()
-        for kind, task in _tasks_of(name, frame).items()
-    }
+    found: dict[_Task, Callable[[], object]] = {}
+    for name, frame in frames.items():
+        method = _TimedMethod(frame, clock, now)
+        run: dict[_Kind, Callable[[], object]] = {
+            "method": method.whole,
+            "passes": method.passes,
+            "opaque": partial(_time_opaque, frame, clock),
+            "shading": partial(_time_shading, frame, clock),
+            "stages": partial(_time_stages, frame, clock),
+        }
+        found |= {task: run[kind] for kind, task in _tasks_of(name, frame).items()}
+    return found
+
+
+@dataclass
+class _TimedMethod:
+    """Times everything that a method does in a frame, on the opaque picture as it is.
+
+    `long` is known after the first frame, which does not count.
+    """
+
+    frame: Frame
+    clock: Clock
+    now: Callable[[], float]
+    long: bool | None = None
+
+    def whole(self) -> MethodSample:
+        """Time the whole frame; a long one by its passes."""
+        if self.long:
+            self.frame.restore()
+            sort = _time_sort(self.frame, self.clock)
+            passes = self.clock.parts(self.frame.composite)
+            gpu = passes.total if self.clock.name == "gpu" else None
+            return MethodSample(sort, Drawn(passes.total, gpu), passes)
+        start = self.now()
+        sample = time_method(self.frame, self.clock)
+        if self.long is None:
+            self.long = self.now() - start > LONG
+        return sample
+
+    def passes(self) -> Parts | None:
+        """Time the passes, or return None if the whole frame is timed by them."""
+        if self.long:
+            return None
+        self.frame.restore()
+        self.frame.orders.sort()
+        return self.clock.parts(self.frame.composite)
 
 
 def time_method(frame: Frame, clock: Clock) -> MethodSample:
     """Time everything that a method does in a frame, on the opaque picture as it is."""
     frame.restore()
-    sort = clock.run(frame.orders.sort) if frame.orders.sorts else None
-    return MethodSample(sort, clock.draw(frame.composite))
+    return MethodSample(_time_sort(frame, clock), clock.draw(frame.composite))
 
 
-def _time_passes(frame: Frame, clock: Clock) -> Parts:
-    frame.restore()
-    frame.orders.sort()
-    return clock.parts(frame.composite)
+def _time_sort(frame: Frame, clock: Clock) -> float | None:
+    return clock.run(frame.orders.sort) if frame.orders.sorts else None
 
 
 def _time_opaque(frame: Frame, clock: Clock) -> float:
@@ -169,6 +212,7 @@ def _attempt(
 def _time(name: str, frame: Frame, counted: rounds.Counted[_Task], block: Block) -> Time:
     found = {kind: counted.samples[task] for kind, task in _tasks_of(name, frame).items()}
     method: list[MethodSample] = found["method"]
+    passes = [sample.passes for sample in method if sample.passes] or found["passes"]
     times = [sample.ms for sample in method]
     opaque = found["opaque"]
     shading = _sums(opaque, found["shading"]) if frame.shading else opaque
@@ -181,10 +225,10 @@ def _time(name: str, frame: Frame, counted: rounds.Counted[_Task], block: Block)
         gpu_ms=interval(gpu) if gpu else None,
         shading_ms=interval(shading),
         frame_ms=interval(_sums(times, shading)),
-        passes=_parts(found["passes"], frame.plan.parts),
+        passes=_parts(passes, frame.plan.parts),
         shading=[*stages, PassTime(OPAQUE_PICTURE, interval(opaque))],
         block=block,
-        remark=remark(method, found["passes"]),
+        remark=remark(method, passes),
     )
 
 

@@ -17,6 +17,7 @@ from oitbench.image.files import Image
 from oitbench.report import figures
 from oitbench.report.artifacts import ImageGrid, Tile, decimal, fixed
 from oitbench.report.context import ReportContext
+from oitbench.results.pictures import PICTURE, compared
 from oitbench.results.ranking import largest_noise_floor, truth_label
 from oitbench.results.records import Panel
 from oitbench.results.schema import Record
@@ -65,11 +66,14 @@ def display(image: Image, stops: float) -> Image:
 def show_truth(context: ReportContext, panel: Panel, truth: str, folder: Path) -> Shown:
     """Return the tile of a truth, after writing its picture to `folder`."""
     image = first_image(context, panel, truth)
+    text = truth_text(context, panel, truth)
+    if image is not None and image.shape[1::-1] != panel.size:
+        text += ("{1} × {0}".format(*image.shape),)
     tile = Tile(
         truth_label(panel, truth),
         None,
         None,
-        truth_text(context, panel, truth),
+        text,
         "" if image is not None else why_no_truth(context, panel.cells, truth),
         truth=True,
     )
@@ -111,9 +115,10 @@ def show_cell(
     label : str
         Heading. Default: the label of the method.
     """
-    fault = context.results.fault(cell, "color")
+    picture = compared(cell.outcome, truth) if cell.outcome else PICTURE
+    fault = context.results.fault(cell, picture)
     tile = Tile(label or cell.method, None, None, values, fault or note(cell))
-    image, errors = context.results.image(cell, "color"), context.flip_map(cell, truth)
+    image, errors = context.results.image(cell, picture), context.flip_map(cell, truth)
     return _write(tile, image, errors, exposure([cell]), folder)
 
 

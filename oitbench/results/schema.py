@@ -156,15 +156,14 @@ class Outcome(_Typed, frozen=True):
     """Everything measured of a cell that has an image, except times.
 
     `scores` has an entry for each truth. A cell that leaves effects out also has `whole`: the truth
-    that ranks the scene with all of them. `images` are files below the results folder: `color`, the
-    truths, and for each truth `flip_TRUTH`, the maps of FLIP (channel `ldr`) and HDR-FLIP (`hdr`).
-    `complexity` among them holds the transparent fragments of each pixel (channel `fragments`),
-    which `statistics` sums up, and `transmittance` that of all layers of a pixel under exact
-    compositing. `transparent_pixels` counts pixels of accuracy images with a transparent fragment
-    in any sub-pixel. `exposure` is in stops. `demands` are those of the method with the effects
-    that ran. `plan` is a digest of the targets, buffers and passes that the method declared. The
-    method belongs to a `family` of `oitbench.method.families`, and the scene has a `subject`, such
-    as "smoke".
+    that ranks the scene with all of them. `images` are files below the results folder: `color`,
+    `color_reduced` (see `pictures.py`), the truths, and for each truth `flip_TRUTH`, the maps of
+    FLIP (channel `ldr`) and HDR-FLIP (`hdr`). `complexity` holds the transparent fragments of each
+    pixel (channel `fragments`), which `statistics` sums up, and `transmittance` that of all layers
+    of a pixel under exact compositing. `transparent_pixels` counts pixels of accuracy images with a
+    transparent fragment in any sub-pixel. `exposure` is in stops. `demands` are those of the method
+    with the effects that ran. `plan` is a digest of declared targets, buffers and passes.
+    The method belongs to a `family` of `oitbench.method.families`, and the scene has a `subject`.
     `custom` describes the metrics of users' files, whose values are in `scores` beside the suite's.
     """
 

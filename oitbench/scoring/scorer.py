@@ -11,6 +11,7 @@ import msgspec
 from oitbench.errors import OitbenchError, UsageError
 from oitbench.image import stored
 from oitbench.results.custom import CustomMetric
+from oitbench.results.pictures import compared
 from oitbench.results.schema import Outcome, Record, Scores, flip_image
 from oitbench.results.store import IMAGES
 from oitbench.scoring.worker import (
@@ -152,12 +153,17 @@ class Scorer:
             return record
         kinds = [kind for kind in outcome.scores if kind in outcome.images]
         try:
-            test = stored.verify(folder, outcome.images["color"])
-            truths = {kind: stored.verify(folder, outcome.images[kind]) for kind in kinds}
+            pairs = {
+                kind: [
+                    stored.verify(folder, outcome.images[name])
+                    for name in (kind, compared(outcome, kind))
+                ]
+                for kind in kinds
+            }
         except UsageError as error:
             findings.damaged.append(f"{error}; {record.seen} {record.method} keeps its numbers")
             return record
-        for kind, truth in truths.items():
+        for kind, (truth, test) in pairs.items():
             if built_in:
                 outcome = self._score_built_in(outcome, kind, truth, test, folder)
             for name in self.metrics:

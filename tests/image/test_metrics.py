@@ -4,12 +4,16 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Callable
+from typing import Any
 
+import flip_evaluator
 import numpy as np
 import pytest
 
 from oitbench.image import files as images
 from oitbench.image import metrics
+from oitbench.image.files import Image
 from oitbench.scene import Floats
 from tests.image.helpers import constant
 
@@ -167,3 +171,41 @@ def test_order_spread_is_the_range_of_each_channel(picture: images.Image) -> Non
     assert metrics.order_spread([picture, picture * np.nan]) == nothing
     endless = np.full_like(picture, np.inf)
     assert metrics.order_spread([endless, endless]) == nothing
+
+
+@pytest.mark.parametrize("place", [(40, 60), (0, 0), (95, 0), (12, 119)])
+@pytest.mark.parametrize("kind", [metrics.flip_ldr, metrics.flip_hdr])
+def test_flip_around_differing_pixels_is_that_of_whole_images(
+    kind: Callable[..., float | None], place: tuple[int, int], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    random = np.random.default_rng(5)
+    reference = random.random((96, 120, 3)).astype(np.float32) * np.float32(1.5)
+    test = reference.copy()
+    test[place] += np.float32(0.3)
+    evaluated: list[tuple[int, ...]] = []
+    maps: list[Image] = []
+    evaluate = flip_evaluator.evaluate
+
+    def watched(one: Image, other: Image, *arguments: Any, **named: Any) -> Any:
+        evaluated.append(one.shape)
+        return evaluate(one, other, *arguments, **named)
+
+    monkeypatch.setattr(flip_evaluator, "evaluate", watched)
+    mean = metrics._mean
+
+    def kept(errors: Image) -> float | None:
+        maps.append(errors)
+        return mean(errors)
+
+    monkeypatch.setattr(metrics, "_mean", kept)
+    kind(reference, test, 0.0)
+    monkeypatch.setattr(metrics, "_around", lambda differs: slice(None))
+    kind(reference, test, 0.0)
+    part, whole = maps
+    assert np.array_equal(part, whole)
+    assert whole.any()
+    assert evaluated[1] == reference.shape
+    assert evaluated[0][0] < 96
+    assert evaluated[0][1] < 120
+    assert kind(reference, reference, 0.0) == 0
+    assert len(evaluated) == 2

@@ -24,8 +24,11 @@ from oitbench.path_traced.references import lookup
 from oitbench.path_traced.references.storage import Reference, Rendering
 from oitbench.path_traced.references.wanted import Wanted
 from oitbench.plugins import Collection
+from oitbench.results.pictures import PICTURE, REDUCED, compared
 from oitbench.results.schema import WHOLE, Outcome, Record
+from oitbench.scoring.scorer import Findings, Scorer
 from oitbench.truths import EXACT, FULL, MATCHED
+from oitbench.workers import memory
 
 SIZE = (16, 16)
 STORED = StoredImage("images/a.exr", "0" * 64, 1)
@@ -143,7 +146,7 @@ def test_transparent_pixels_are_those_that_do_not_pass_all_light() -> None:
             stage = Stage(
                 "b", (24, 16), 2, "", "main", uploaded, collection.truth(), lambda *_: STORED
             )
-            exact = stage.exact(~Effect.NONE)
+            exact = stage.exact(~Effect.NONE, (24, 16))
     absorbing = exact.transmittance.min(axis=-1) < 1
     # The scene is not symmetric, so that no axis is swapped.
     assert not np.array_equal(absorbing, absorbing[::-1])
@@ -190,3 +193,33 @@ def test_exact_compositing_leaves_out_the_effects_of_the_cell(
         outcome_of(reduced).images[EXACT]
     )
     assert asked == []
+
+
+@pytest.mark.parametrize("method", ["sorted_over", "hashed_alpha", "moments"])
+def test_traced_truths_of_another_size_score_the_picture_of_that_size(
+    method: str, asked: list[str], tmp_path: Path
+) -> None:
+    settings: dict[str, Any] = {"permutations": 0, "effects": "-refraction"}
+    large = Cell("tumblers", method, (32, 32), reduced=True, **settings)
+    found, small = map(outcome_of, run(tmp_path, large, Cell("tumblers", method, SIZE, **settings)))
+    assert {key.partition("@")[2].partition(".")[0] for key in asked} == {"16x16"}
+    for truth in (MATCHED, FULL, WHOLE):
+        assert found.scores[truth] == small.scores[truth]
+        assert found.images[truth] == small.images[truth]
+        one, other = (it.images[compared(it, truth)] for it in (found, small))
+        assert one.sha256 == other.sha256
+    assert found.scores[EXACT].metrics != small.scores[EXACT].metrics
+    sizes = [files.read_exr(tmp_path / found.images[key].path).shape for key in ("color", EXACT)]
+    assert sizes == [(32, 32, 3)] * 2
+    assert [compared(found, truth) for truth in (EXACT, FULL)] == [PICTURE, REDUCED]
+
+
+def test_a_reduced_cell_is_scored_again_with_the_same_pictures(
+    asked: list[str], tmp_path: Path
+) -> None:
+    (record,) = run(
+        tmp_path, Cell("glass_bars", "alpha_blend", (32, 32), permutations=0, reduced=True)
+    )
+    with Scorer([], memory.share(1)) as scorer:
+        again = scorer.score(record, tmp_path, Findings(), built_in=True)
+    assert again == record

@@ -36,7 +36,7 @@ def counts(seconds: Mapping[str, float], schedule: Schedule) -> dict[str, int]:
 
 
 def order(seed: int) -> list[str]:
-    tasks = Tasks(dict.fromkeys("abcd", 0.1))
+    tasks = Tasks(dict.fromkeys("abcd", 0.0625))
     tasks.run(Schedule(6, 60.0, seed))
     return [tasks.log[start : start + 4] for start in range(0, len(tasks.log), 4)]
 
@@ -55,14 +55,20 @@ def test_samples_are_in_order_of_the_rounds_and_without_the_warm_up() -> None:
     assert found.samples == {"a": [WARM_UP, WARM_UP + 1, WARM_UP + 2, WARM_UP + 3]}
 
 
-@pytest.mark.parametrize("budget", [0.0, 4.0])
+@pytest.mark.parametrize("budget", [0.0, 0.4])
 def test_nine_rounds_count_and_six_of_slow_tasks_whatever_they_take(budget: float) -> None:
-    found = counts({"fast": 0.9, "slow": 1.1}, Schedule(31, budget))
+    found = counts({"fast": 0.0625, "slow": 0.125}, Schedule(31, budget))
     assert found == {"fast": 9, "slow": 6}
 
 
 def test_all_rounds_count_within_the_budget() -> None:
-    assert counts({"fast": 0.1, "slow": 1.1}, Schedule(31, 60.0)) == {"fast": 31, "slow": 31}
+    assert counts({"fast": 0.0625, "slow": 0.125}, Schedule(31, 60.0)) == {"fast": 31, "slow": 31}
+
+
+def test_one_round_warms_up_a_slow_task() -> None:
+    tasks = Tasks({"f": 0.05, "s": 0.2})
+    tasks.run(Schedule(9, budget=0.0))
+    assert (tasks.log.count("f"), tasks.log.count("s")) == (WARM_UP + 9, 1 + 6)
 
 
 def test_a_short_schedule_ends_early() -> None:

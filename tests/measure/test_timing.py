@@ -46,6 +46,10 @@ class Time:
         ):
             self.slow(owner, name, taken)
 
+    def patch(self, owner: type, name: str, value: Callable[..., Any]) -> None:
+        """Replace a method."""
+        self._patch.setattr(owner, name, value)
+
     def slow(self, owner: type, name: str, taken: float) -> None:
         """Let a method take some time."""
         original: Callable[..., Any] = getattr(owner, name)
@@ -276,3 +280,32 @@ def test_a_remark_says_why_the_passes_do_not_add_up(
     method: list[MethodSample], parts: list[Parts], text: str
 ) -> None:
     assert remark(method, parts) == text
+
+
+def test_a_long_frame_is_timed_once_for_itself_and_its_passes(device: Device, time: Time) -> None:
+    drawn: list[int] = []
+
+    def run(seconds: float) -> Any:
+        before = len(drawn)
+        found = measured(
+            device, time, "sorted_two_pass", "alpha_blend", now=lambda: seconds * len(drawn)
+        ).times["sorted_two_pass"]
+        return found, len(drawn) - before
+
+    original = Frame.composite
+
+    def composite(frame: Frame, *arguments: Any) -> None:
+        drawn.append(1)
+        original(frame, *arguments)
+
+    time.patch(Frame, "composite", composite)
+    (apart, many), (together, few) = run(0.0), run(1.1)
+    # Two frames, each as a whole and by its passes: eleven rounds, or one and six. Passes that come
+    # before the first whole frame are timed as well.
+    assert many == 2 * 2 * 11
+    assert 2 * 7 <= few <= 2 * 8
+    for found, count in ((apart, 9), (together, 6)):
+        assert [one.name for one in found.passes] == [one.name for one in apart.passes]
+        assert {len(one.ms.samples) for one in found.passes} == {count}
+        assert found.method_ms.median == apart.method_ms.median
+        assert found.remark == ""

@@ -1,0 +1,39 @@
+"""Pictures of cells and truths."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import msgspec
+import numpy as np
+
+from oitbench.image import files, stored
+from oitbench.report import plates
+from oitbench.results.pictures import REDUCED
+from oitbench.results.store import IMAGES
+from oitbench.truths import EXACT, MATCHED
+from tests.report.made_up import SIDE, context, finished
+
+
+def test_a_traced_truth_is_beside_the_picture_of_its_size(tmp_path: Path) -> None:
+    cell = finished(tmp_path, "panes", "murk", 0.3)
+    assert cell.outcome is not None
+    images, half = cell.outcome.images, SIDE // 2
+    for kind, gray in ((REDUCED, 0.25), (MATCHED, 0.5)):
+        small = np.full((half, half, 3), gray, np.float32)
+        written = stored.store(tmp_path, f"{IMAGES}/{kind}", files.image_channels(small))
+        images = images | {kind: written}
+    cell = msgspec.structs.replace(
+        cell, outcome=msgspec.structs.replace(cell.outcome, images=images)
+    )
+    shown = context(tmp_path, [cell], tmp_path)
+    (panel,) = shown.results.panels()
+    sizes = {}
+    for truth in (EXACT, MATCHED):
+        traced = plates.show_truth(shown, panel, truth, tmp_path)
+        tile = plates.show_cell(shown, cell, truth, tmp_path, values=())
+        assert traced.picture is not None
+        assert tile.picture is not None
+        sizes[truth] = traced.picture.shape[0], tile.picture.shape[0]
+        assert (f"{half} × {half}" in traced.tile.values) == (truth == MATCHED)
+    assert sizes == {EXACT: (SIDE, SIDE), MATCHED: (half, half)}
