@@ -4,16 +4,13 @@ from __future__ import annotations
 
 import sys
 import time
-from collections.abc import Sequence
 from dataclasses import dataclass, field
-from pathlib import Path
-from typing import Any
 
 import msgspec
 
 from oitbench.errors import printable
 from oitbench.matrix import machine
-from oitbench.matrix.plan import Matrix, plan_matrix
+from oitbench.matrix.plan import Matrix
 from oitbench.matrix.pool import WorkerProcess
 from oitbench.matrix.rendering import OnLine, OnRecord, Rendering
 from oitbench.matrix.resume import Resume
@@ -92,24 +89,6 @@ class Summary:
             f"{done or 'nothing to do'}; {self.kept} kept from before;"
             f" {self.wall:.1f} s: {split}, rest {self.rest:.1f} s"
         )
-
-
-def run(
-    scenes: Sequence[str] = (),
-    methods: Sequence[str] = (),
-    preset: str = "quick",
-    size: tuple[int, int] | None = None,
-    out: Path | str = "results",
-    **options: Any,
-) -> Summary:
-    """Plan and run a matrix.
-
-    Parameters
-    ----------
-    scenes, methods, preset, size, out
-        See `plan_matrix`, as for all further options.
-    """
-    return run_matrix(plan_matrix(scenes, methods, preset, size, out=out, **options))
 
 
 def run_matrix(

@@ -25,6 +25,8 @@ CELLS = "cells.jsonl"
 RUN = "run.json"
 CONFIG = "run.toml"
 IMAGES = "images"
+SCENES = "scenes"
+"""Folder of the scenes that were built in Python, so that a later run finds them."""
 _LOCK = "run.lock"
 _OURS = frozenset(
     {
@@ -32,6 +34,7 @@ _OURS = frozenset(
         RUN,
         CONFIG,
         IMAGES,
+        SCENES,
         _LOCK,
         "engines",
         "motion",
@@ -148,7 +151,7 @@ class Store:
             than results, or results of another version of the suite.
         """
         folder = Path(folder)
-        _refuse_foreign(folder)
+        refuse_foreign(folder)
         try:
             (folder / IMAGES).mkdir(parents=True, exist_ok=True)
         except OSError as error:
@@ -229,7 +232,8 @@ class Store:
             _replace(self.folder / CONFIG, text.encode(errors="backslashreplace"))
 
 
-def _refuse_foreign(folder: Path) -> None:
+def refuse_foreign(folder: Path) -> None:
+    """Raise `UsageError` if a folder holds something other than results."""
     try:
         names = {entry.name for entry in folder.iterdir() if not entry.name.startswith(".")}
     except FileNotFoundError:
