@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -16,6 +16,7 @@ from oitbench.matrix.plan import plan_matrix
 from oitbench.matrix.run import run_matrix
 from oitbench.results.records import Results
 from oitbench.scene import Scene
+from oitbench.suites.planning import FIXED, plan_suite, refuse_fixed
 
 
 def run(
@@ -24,6 +25,7 @@ def run(
     preset: str = "quick",
     size: tuple[int, int] | None = None,
     out: Path | str = "results",
+    suite: str = "",
     **options: Any,
 ) -> Outcome:
     """Run cells that are not finished, as `oitbench run` does, and return all that were asked for.
@@ -35,23 +37,38 @@ def run(
         `run.toml` repeats the run.
     methods, preset, size, out
         See `oitbench.matrix.plan.plan_matrix`, as for all further options.
+    suite : str
+        A frozen suite, which fixes scenes, preset, size and more; see
+        `oitbench.suites.planning.plan_suite`.
 
     Raises
     ------
     OitbenchError
         Something is unknown, out of range, or not available on this machine.
     """
-    given = inspect.signature(plan_matrix).bind(
-        written.keep(scenes, Path(out)), methods, preset, size, out=out, **options
-    )
-    given.apply_defaults()
-    matrix = plan_matrix(*given.args, **given.kwargs)
-    matrix = replace(matrix, config=_config(given.arguments))
+    call = inspect.signature(plan_matrix).bind(scenes, methods, preset, size, out=out, **options)
+    call.apply_defaults()
+    given = call.arguments
+    if suite:
+        refuse_fixed(suite, _changed(given))
+        given = {name: value for name, value in given.items() if name not in FIXED}
+        matrix = plan_suite(suite, **given)
+        given["suite"] = suite
+    else:
+        given["scenes"] = written.keep(scenes, Path(out))
+        matrix = plan_matrix(**given)
+    matrix = replace(matrix, config=_config(given))
     summary = run_matrix(matrix)
     stored = Results.load(matrix.out)
     newest = {record.key: record for record in (*stored.records, *summary.troubled)}
     results = replace(stored, records=tuple(newest[cell.key] for cell in matrix.cells))
-    return Outcome(results, summary, tuple(given.arguments["collections"]))
+    return Outcome(results, summary, tuple(given["collections"]))
+
+
+def _changed(given: Mapping[str, Any]) -> list[str]:
+    """Return the arguments of `plan_matrix` that are not left at their defaults."""
+    defaults = inspect.signature(plan_matrix).parameters
+    return [name for name, value in given.items() if value != defaults[name].default]
 
 
 def _config(given: dict[str, Any]) -> str:

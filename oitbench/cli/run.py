@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 import click
 
 from oitbench.cli import config, options
+from oitbench.cli.suite import free_options
 from oitbench.matrix.plan import CELL_SECONDS
 from oitbench.truths import TRUTHS
 from oitbench.views import MAIN
@@ -26,6 +27,12 @@ _WIDE = 200
 
 @click.command()
 @config.option
+@click.option(
+    "--suite",
+    metavar="NAME",
+    help="Frozen suite, such as oitbench-1: it fixes scenes, views, size, sub-pixels, effects,"
+    " shading, truths, seed and timing.",
+)
 @click.option(
     "--preset",
     type=click.Choice(["quick", "standard", "paper", "guard", "noise"]),
@@ -100,6 +107,7 @@ _WIDE = 200
 @click.pass_context
 def command(
     context: click.Context,
+    suite: str | None,
     preset: str,
     scenes: tuple[str, ...],
     methods: tuple[str, ...],
@@ -135,13 +143,22 @@ def command(
     from oitbench.matrix.plan import plan_matrix
     from oitbench.matrix.run import run_matrix
     from oitbench.results.schema import TROUBLED, Record
+    from oitbench.suites.planning import plan_suite
 
     chosen = known.choose(engines)
-    matrix = plan_matrix(
-        scenes, methods, preset, size, effects, ssaa, out, collections, seed, force,
-        timeout, workers, memory_gib, truths, shading, views or (MAIN,), metrics,
-    )  # fmt: skip
-    matrix = replace(matrix, config=config.text(context, context.params))
+    given = dict(context.params)
+    if suite:
+        given = free_options(suite, context)
+        matrix = plan_suite(
+            suite, methods, collections, out=out, force=force, timeout=timeout, workers=workers,
+            memory_gib=memory_gib, metrics=metrics,
+        )  # fmt: skip
+    else:
+        matrix = plan_matrix(
+            scenes, methods, preset, size, effects, ssaa, out, collections, seed, force,
+            timeout, workers, memory_gib, truths, shading, views or (MAIN,), metrics,
+        )  # fmt: skip
+    matrix = replace(matrix, config=config.text(context, given))
     console = Console(stderr=True, highlight=False, soft_wrap=True)
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn())
     # In a file or a pipe, the bar would end in an empty line.

@@ -9,6 +9,7 @@ from __future__ import annotations
 import io
 import math
 import zipfile
+import zlib
 from collections.abc import Mapping
 from dataclasses import fields, is_dataclass, replace
 from pathlib import Path
@@ -30,7 +31,8 @@ _KINDS: Mapping[str, type] = {
 }
 _DAMAGES = (
     OSError, ValueError, KeyError, IndexError, TypeError, AttributeError, ArithmeticError, EOFError,
-    MemoryError, RecursionError, NotImplementedError, zipfile.BadZipFile, msgspec.MsgspecError,
+    MemoryError, RecursionError, NotImplementedError, zipfile.BadZipFile, zlib.error,
+    msgspec.MsgspecError,
 )  # fmt: skip
 """Errors by which damaged files show themselves."""
 

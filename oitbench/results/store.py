@@ -70,6 +70,17 @@ def read_cells(path: Path) -> dict[CellKey, Record]:
     return cells
 
 
+def damaged_lines(path: Path) -> list[int]:
+    """Return the numbers of the lines of a `cells.jsonl` whose content does not fit its checksum.
+
+    Raises
+    ------
+    UsageError
+        As `read_cells` does.
+    """
+    return _parse_cells(path)[1]
+
+
 def _parse_cells(path: Path) -> tuple[dict[CellKey, Record], list[int]]:
     """Return what `read_cells` does, and the numbers of damaged lines."""
     cells: dict[CellKey, Record] = {}
