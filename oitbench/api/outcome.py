@@ -225,7 +225,8 @@ class Outcome:
             if image is None:
                 raise UsageError(self.results.fault(record, key))
             return _displayed(image, record) if display else image
-        reasons = [r.outcome.scores[key].reason if r.outcome else r.reason for r in cells]
+        scores = [cell.outcome.scores.get(key) for cell in cells if cell.outcome]
+        reasons = [*(one.reason for one in scores if one), *(cell.reason for cell in cells)]
         raise UsageError(f"{scene} has no truth '{key}': {next(filter(None, reasons), 'not made')}")
 
     def show(self, scene: str, truth: str = "", **settings: Any) -> Gallery:

@@ -61,7 +61,7 @@ def test_a_file_gives_the_same_scene(label: str, tmp_path: Path) -> None:
 
 
 def test_fragment_lists_are_kept(tmp_path: Path) -> None:
-    scene = scene_of(random_lists(3, 1))
+    scene = scene_of(random_lists(3))
     found = read_written(write(scene, tmp_path), scene.name)
     assert scene_fingerprint(found) == scene_fingerprint(scene)
 

@@ -44,7 +44,7 @@ from oitbench.stability.layers import random_lists, scene_of
 from dataclasses import replace
 
 def build(*, name, detail):
-    return replace(scene_of(random_lists(3, 1)), name=name)
+    return replace(scene_of(random_lists(3)), name=name)
 """
 
 
