@@ -5,6 +5,7 @@ from __future__ import annotations
 import shutil
 from pathlib import Path
 
+import msgspec
 import pytest
 
 import oitbench
@@ -49,9 +50,7 @@ def test_a_changed_scene_is_named(world: World, copy: Path) -> None:
     assert "the scene glazing: unknown scene 'glazing'" in refusal(world.file, copy)
 
 
-def test_a_changed_reference_is_named(
-    world: World, copy: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_changed_reference_is_named(world: World, copy: Path) -> None:
     (copy / FOLDER / MANIFEST).unlink()
     expected = "the matched reference of glazing is missing: glazing@16x16.matched is not stored"
     assert expected in refusal(world.file, copy)
@@ -65,8 +64,6 @@ def test_a_changed_reference_is_named(
 
 
 def test_other_pixels_of_a_reference_are_named(world: World, tmp_path: Path) -> None:
-    import msgspec
-
     scenes = [
         msgspec.structs.replace(s, references=dict.fromkeys(s.references, "0" * 32))
         for s in world.suite.scenes
@@ -77,8 +74,6 @@ def test_other_pixels_of_a_reference_are_named(world: World, tmp_path: Path) -> 
 
 
 def test_other_effects_are_named(world: World, tmp_path: Path) -> None:
-    import msgspec
-
     scenes = [
         msgspec.structs.replace(s, effects=[], ranked_by="matched") for s in world.suite.scenes
     ]
