@@ -32,16 +32,17 @@ from oitbench.method.views import View
 from oitbench.parameters import Parameter
 
 if TYPE_CHECKING:
-    from oitbench.matrix.picture import render
-    from oitbench.matrix.run import run
+    from oitbench.api.running import open as open
+    from oitbench.api.running import render, run
     from oitbench.results.comparison import compare
 
 __version__ = "0.1.0"
 
 # The functions behind the command line are imported when they are first used.
 _FUNCTIONS = {
-    "run": "oitbench.matrix.run",
-    "render": "oitbench.matrix.picture",
+    "run": "oitbench.api.running",
+    "open": "oitbench.api.running",
+    "render": "oitbench.api.running",
     "compare": "oitbench.results.comparison",
 }
 

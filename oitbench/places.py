@@ -13,7 +13,10 @@ KINDS = ("methods", "scenes", "reference", "reports")
 GROUP = "oitbench.collections"
 """Entry points under which installed packages register their collection folders."""
 IMPORTED = (".glb", ".gltf", ".obj", ".ply")
-"""Ends of the names of files that are scenes by themselves."""
+"""Ends of the names of files of other programs that are scenes by themselves."""
+WRITTEN = ".npz"
+"""End of the names of files of scenes that were built in Python."""
+_FILES = (*IMPORTED, WRITTEN)
 
 
 class Names(Mapping[str, Path]):
@@ -148,7 +151,7 @@ class Places:
         return self.add_method(Path(text)) if "/" in text or here else text
 
     def add_scene(self, path: Path) -> str:
-        """Add the scene of one file that can be imported; return its name, the file's.
+        """Add the scene of one file that is a scene by itself; return its name, the file's.
 
         Raises
         ------
@@ -170,8 +173,8 @@ class Places:
         A known name takes precedence over a file of that name in the working directory.
         """
         path = Path(text)
-        importable = path.suffix.lower() in IMPORTED
-        return self.add_scene(path) if text not in self.scenes and importable else text
+        is_file = path.suffix.lower() in _FILES
+        return self.add_scene(path) if text not in self.scenes and is_file else text
 
     def files(self, methods: Iterable[str] = ()) -> PluginFiles:
         """Return the files that a worker needs for any scene and the `methods` of some names."""
@@ -181,7 +184,7 @@ class Places:
     @property
     def scene_files(self) -> tuple[Path, ...]:
         """The files that were added by their paths."""
-        return tuple(path for path in self.scenes.values() if path.suffix.lower() in IMPORTED)
+        return tuple(path for path in self.scenes.values() if path.suffix.lower() in _FILES)
 
 
 def own_folder() -> Path:

@@ -25,7 +25,7 @@ from oitbench.errors import (
 from oitbench.method.declaration import Method
 from oitbench.method.views import View
 from oitbench.parameters import AnyParameter, Parameter, Value
-from oitbench.places import GROUP, IMPORTED, Names, Places, own_folder
+from oitbench.places import GROUP, IMPORTED, WRITTEN, Names, Places, own_folder
 from oitbench.scene import Scene
 
 Plugin = TypeVar("Plugin")
@@ -291,6 +291,11 @@ def _check_class(path: Path, method: type[Method]) -> None:
 
 
 def _load_scene(path: Path) -> ScenePlugin:
+    if path.suffix.lower() == WRITTEN:
+        from oitbench.importing.written import read_written
+
+        name = _checked_name(path, path.stem)
+        return ScenePlugin(name, f"Built in Python: {path.name}.", {}, partial(read_written, path))
     if path.suffix.lower() in IMPORTED:
         from oitbench.importing.scene import PARAMETERS, read_scene
 

@@ -30,6 +30,7 @@ VERBS = (
     "score",
     "merge",
     "report",
+    "submit",
     "choose",
     "compare",
     "baseline",

@@ -91,11 +91,14 @@ def text(context: click.Context, given: Mapping[str, Any]) -> str:
     ----------
     context : click.Context
     given : mapping of str to object
-        Values of options by the names of click's parameters, as the command received them.
+        Values of options by the names of click's parameters, as the command received them. Others
+        keep their defaults.
     """
     lines = []
     for name, option in _options(context.command).items():
-        value = given.get(str(option.name))
+        if option.name not in given:
+            continue
+        value = given[option.name]
         if value is None and isinstance(option.default, str):
             value = "none"
         if value is None or value == ():

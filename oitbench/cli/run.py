@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import click
 
 from oitbench.cli import config, options
+from oitbench.cli.suite import free_options
 from oitbench.errors import UsageError
 from oitbench.matrix.plan import CELL_SECONDS
 from oitbench.truths import TRUTHS
@@ -23,6 +24,12 @@ if TYPE_CHECKING:
 
 @click.command()
 @config.option
+@click.option(
+    "--suite",
+    metavar="NAME",
+    help="Frozen suite, such as oitbench-1: it fixes scenes, views, size, sub-pixels, effects,"
+    " shading, truths, seed and timing.",
+)
 @click.option(
     "--preset",
     type=click.Choice(["quick", "standard", "paper", "guard", "noise"]),
@@ -104,6 +111,7 @@ if TYPE_CHECKING:
 @click.pass_context
 def command(
     context: click.Context,
+    suite: str | None,
     preset: str,
     scenes: tuple[str, ...],
     methods: tuple[str, ...],
@@ -142,18 +150,27 @@ def command(
     from oitbench.matrix.plan import plan_matrix
     from oitbench.matrix.run import run_matrix
     from oitbench.results.schema import TROUBLED
+    from oitbench.suites.planning import plan_suite
 
     if verbose and not dry_run:
         raise UsageError("--verbose needs --dry-run")
     chosen = known.choose(engines)
-    matrix = plan_matrix(
-        scenes, methods, preset, size, effects, ssaa, out, collections, seed, force,
-        timeout, workers, memory_gib, truths, shading, views or (MAIN,), metrics, dask,
-    )  # fmt: skip
+    given = dict(context.params)
+    if suite:
+        given = free_options(suite, context)
+        matrix = plan_suite(
+            suite, methods, collections, out=out, force=force, timeout=timeout, workers=workers,
+            memory_gib=memory_gib, metrics=metrics, dask=dask,
+        )  # fmt: skip
+    else:
+        matrix = plan_matrix(
+            scenes, methods, preset, size, effects, ssaa, out, collections, seed, force,
+            timeout, workers, memory_gib, truths, shading, views or (MAIN,), metrics, dask,
+        )  # fmt: skip
     if dry_run:
         print_plan(matrix, chosen, verbose)
         return
-    matrix = replace(matrix, config=config.text(context, context.params))
+    matrix = replace(matrix, config=config.text(context, given))
     with RunProgress(matrix, quiet) as shown:
         summary = run_matrix(matrix, shown.record, shown.line, shown.stage, shown.timed)
         rows = _run_engines(matrix, chosen, shown.line)

@@ -158,7 +158,7 @@ class Matrix:
 def plan_matrix(
     scenes: Sequence[str] = (),
     methods: Sequence[str] = (),
-    preset: str = "quick",
+    preset: str | Preset = "quick",
     size: tuple[int, int] | None = None,
     effects: Sequence[str] = (REQUESTED,),
     ssaa: int | None = None,
@@ -182,8 +182,8 @@ def plan_matrix(
     scenes, methods : sequence of str
         Selectors `NAME[param=v,w]`; a method may also be a folder's path. Default: all of the
         preset.
-    preset : str
-        A key of `PRESETS`.
+    preset : str or Preset
+        A key of `PRESETS`, or settings of one's own.
     size : (int, int), optional
         Width and height in pixels. Default: that of the preset.
     effects : sequence of str
@@ -214,9 +214,9 @@ def plan_matrix(
     UsageError
         Something is unknown or out of range.
     """
-    if preset not in PRESETS:
+    if isinstance(preset, str) and preset not in PRESETS:
         raise UsageError(f"unknown preset '{preset}'; choose from {', '.join(PRESETS)}")
-    chosen = PRESETS[preset]
+    chosen = PRESETS[preset] if isinstance(preset, str) else preset
     size = size or chosen.size
     grids = chosen.grids if ssaa is None else (ssaa,)
     if min(*size, *grids) < 1:

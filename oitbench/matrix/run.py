@@ -6,15 +6,13 @@ import sys
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from pathlib import Path
-from typing import Any
 
 import msgspec
 
 from oitbench.errors import UsageError, printable
 from oitbench.executors.executor import Executor, Worker
 from oitbench.matrix.cell import Cell
-from oitbench.matrix.plan import Matrix, plan_matrix
+from oitbench.matrix.plan import Matrix
 from oitbench.matrix.rendering import OnLine, OnRecord, OnStage, Rendering
 from oitbench.matrix.resume import Resume
 from oitbench.matrix.timed_cells import ScoredCell, Timing
@@ -105,24 +103,6 @@ class Summary:
     def __str__(self) -> str:
         done = ", ".join(f"{count} {status}" for status, count in sorted(self.statuses.items()))
         return f"{done or 'nothing to do'}; {self.kept} kept from before; {self.wall:.1f} s"
-
-
-def run(
-    scenes: Sequence[str] = (),
-    methods: Sequence[str] = (),
-    preset: str = "quick",
-    size: tuple[int, int] | None = None,
-    out: Path | str = "results",
-    **options: Any,
-) -> Summary:
-    """Plan and run a matrix.
-
-    Parameters
-    ----------
-    scenes, methods, preset, size, out
-        See `plan_matrix`, as for all further options.
-    """
-    return run_matrix(plan_matrix(scenes, methods, preset, size, out=out, **options))
 
 
 def run_matrix(

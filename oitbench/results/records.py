@@ -27,7 +27,7 @@ from oitbench.results.schema import (
     flip_image,
 )
 from oitbench.results.store import CELLS, RUN, read_cells, read_run
-from oitbench.results.table import flat
+from oitbench.results.table import PARAMETERS, plain
 from oitbench.truths import EXACT
 
 if TYPE_CHECKING:
@@ -222,10 +222,16 @@ class Results:
         return self.folder / image.path if image and not self.fault(record, kind) else None
 
     def frame(self) -> pd.DataFrame:
-        """Return one row per cell with flat columns; numbers that do not exist are missing."""
+        """Return one row per cell, as `plain` names it; numbers that do not exist are missing."""
         import pandas as pd
 
-        return pd.DataFrame([flat(record) for record in self.records])
+        rows = [plain(record) for record in self.records]
+        names = dict.fromkeys(name for row in rows for name in row)
+        # Rows of other methods have other parameters; all of them stand together.
+        place = ([*names].index("reason") + 1) if names else 0
+        settings = [name for name in names if name.startswith(PARAMETERS)]
+        rest = [name for name in names if name not in settings]
+        return pd.DataFrame(rows, columns=[*rest[:place], *sorted(settings), *rest[place:]])
 
 
 def parts(folder: Path) -> list[Path]:

@@ -25,6 +25,8 @@ CELLS = "cells.jsonl"
 RUN = "run.json"
 CONFIG = "run.toml"
 IMAGES = "images"
+SCENES = "scenes"
+"""Folder of the scenes that were built in Python, so that a later run finds them."""
 _LOCK = "run.lock"
 _OURS = frozenset(
     {
@@ -32,6 +34,7 @@ _OURS = frozenset(
         RUN,
         CONFIG,
         IMAGES,
+        SCENES,
         _LOCK,
         "engines",
         "motion",
@@ -65,6 +68,17 @@ def read_cells(path: Path) -> dict[CellKey, Record]:
             "%s: damaged and skipped: line %s%s; a run renders their cells again", path, lines, more
         )
     return cells
+
+
+def damaged_lines(path: Path) -> list[int]:
+    """Return the numbers of the lines of a `cells.jsonl` whose content does not fit its checksum.
+
+    Raises
+    ------
+    UsageError
+        As `read_cells` does.
+    """
+    return _parse_cells(path)[1]
 
 
 def _parse_cells(path: Path) -> tuple[dict[CellKey, Record], list[int]]:
@@ -148,7 +162,7 @@ class Store:
             than results, or results of another version of the suite.
         """
         folder = Path(folder)
-        _refuse_foreign(folder)
+        refuse_foreign(folder)
         try:
             (folder / IMAGES).mkdir(parents=True, exist_ok=True)
         except OSError as error:
@@ -171,7 +185,7 @@ class Store:
             The folder holds something other than results, or results of another version.
         """
         folder = Path(folder)
-        _refuse_foreign(folder)
+        refuse_foreign(folder)
         return cls(folder, read_cells(folder / CELLS))
 
     def records(self) -> list[Record]:
@@ -242,7 +256,8 @@ class Store:
             _replace(self.folder / CONFIG, text.encode(errors="backslashreplace"))
 
 
-def _refuse_foreign(folder: Path) -> None:
+def refuse_foreign(folder: Path) -> None:
+    """Raise `UsageError` if a folder holds something other than results."""
     try:
         names = {entry.name for entry in folder.iterdir() if not entry.name.startswith(".")}
     except FileNotFoundError:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from oitbench import parameters
 from oitbench.image import metrics
 from oitbench.results.schema import Record
 from oitbench.results.statistics import SceneStatistics
@@ -14,6 +15,19 @@ MEBIBYTE = 2**20
 MEGABYTE = 10**6
 _FORMULA = ("=", "+", "-", "−", "@")
 _EXACT_ONLY = (metrics.TRANSMITTANCE, metrics.ORDER_SPREAD_MAX, metrics.ORDER_SPREAD_MEAN)
+PARAMETERS = ("scene.", "method.")
+"""How the columns of parameters begin in a row of `plain`."""
+_PLAIN = {
+    metrics.FLIP_LDR: "flip",
+    metrics.FLIP_HDR: "flip_hdr",
+    metrics.SSIM: "ssim",
+    metrics.PSNR: "psnr",
+    metrics.RMSE: "rmse",
+    metrics.RELMSE: "relmse",
+    metrics.ORDER_SPREAD_MAX: "order_spread_max",
+    metrics.ORDER_SPREAD_MEAN: "order_spread_mean",
+}
+"""Names of metrics without their parameters."""
 _FLOORS = (metrics.FLIP_LDR, metrics.FLIP_HDR, metrics.RMSE)
 
 
@@ -57,6 +71,46 @@ def flat(record: Record) -> dict[str, Any]:
         for name in ("ssaa", "spp", "parts", "seconds"):
             row[f"{truth}.reference.{name}"] = getattr(facts, name, None)
     return row
+
+
+def plain(record: Record) -> dict[str, Any]:
+    """Return a cell as one row whose names are words, for data frames.
+
+    The columns are those of `flat`, with `flip_exact` for a metric against a truth, `flip` for the
+    same against the ranking truth, and `method.NAME` and `scene.NAME` for parameters; of a scene's
+    parameters, those that differ from their defaults.
+    """
+    row: dict[str, Any] = {}
+    for name, value in flat(record).items():
+        row[_plain_name(name)] = value
+        if name == "reason":
+            row |= _parameters(record)
+        if name == "ranking_truth":
+            custom = record.outcome.custom if record.outcome else ()
+            for metric in (*metrics.NAMES, *custom):
+                row[_PLAIN.get(metric, metric)] = record.metric(record.ranking_truth, metric)
+    return row
+
+
+def _plain_name(name: str) -> str:
+    """Return `flip_transparent_exact` for `exact.transparent.flip_ldr@67ppd`."""
+    truth, dot, rest = name.partition(".")
+    if not dot or truth not in TRUTHS:
+        return name
+    group, dot, metric = rest.partition(".")
+    if dot and group in ("transparent", "opaque", "noise_floor"):
+        return f"{_PLAIN.get(metric, metric)}_{group}_{truth}"
+    if dot and group == "reference":
+        return f"reference_{metric}_{truth}"
+    return f"{_PLAIN.get(rest, rest)}_{truth}"
+
+
+def _parameters(record: Record) -> dict[str, Any]:
+    scene = parameters.parse(record.scene).grid
+    method = record.outcome.parameters if record.outcome else {}
+    of_scene, of_method = PARAMETERS
+    found: dict[str, Any] = {f"{of_scene}{name}": text for name, (text,) in scene.items()}
+    return found | {f"{of_method}{name}": value for name, value in method.items()}
 
 
 def flat_statistics(found: SceneStatistics | None) -> dict[str, float | None]:

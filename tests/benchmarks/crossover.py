@@ -92,11 +92,11 @@ def main() -> None:
     options = parser.parse_args()
     for name in options.names or PARTS:
         for part in PARTS[name]:
-            summary = oitbench.run(
+            outcome = oitbench.run(
                 part.scenes, part.methods, "guard", part.size, options.out,
                 ssaa=1, truths=[EXACT], workers=options.workers,
             )  # fmt: skip
-            print(f"{name}: {summary}", flush=True)
+            print(f"{name}: {outcome}", flush=True)
     print(f"next: oitbench report {options.out} --section crossover")
 
 

@@ -68,11 +68,11 @@ def main() -> None:
     for name in options.names or SWEEPS:
         sweep = SWEEPS[name]
         truth = EXACT if sweep.effects == COMPOSITING else MATCHED
-        summary = oitbench.run(
+        outcome = oitbench.run(
             sweep.scenes, sweep.methods, "guard", options.size, options.out,
             effects=[sweep.effects], truths=[truth], shading=sweep.shading,
         )  # fmt: skip
-        print(f"{name}: {summary}", flush=True)
+        print(f"{name}: {outcome}", flush=True)
     print(f"next: oitbench report {options.out}")
 
 

@@ -9,12 +9,12 @@ import msgspec
 import numpy as np
 import pytest
 
+from oitbench.api.running import run
 from oitbench.errors import UsageError
 from oitbench.gl.device import Device
 from oitbench.gl.uploaded_scene import UploadedScene
 from oitbench.image.stored import StoredImage
 from oitbench.matrix.plan import plan_matrix
-from oitbench.matrix.run import run
 from oitbench.matrix.stage import Stage
 from oitbench.path_traced.references import storage
 from oitbench.path_traced.references.lookup import find
@@ -48,9 +48,9 @@ def test_views_are_an_axis_of_the_matrix() -> None:
 
 def test_each_view_has_its_own_cells(tmp_path: Path) -> None:
     views = ["main,plan,left,nowhere"]
-    summary = run(["glass_bars"], ["a_buffer"], out=tmp_path, views=views, **GUARD)
+    outcome = run(["glass_bars"], ["a_buffer"], out=tmp_path, views=views, **GUARD)
     cells = {key.view: found for key, found in read_cells(tmp_path / "cells.jsonl").items()}
-    (lost,) = summary.troubled
+    (lost,) = outcome.troubled
     assert "unknown view of glass_bars 'nowhere'; known: left, main, plan, right" in lost.reason
     assert [cells[view].status for view in ("main", "plan", "left")] == ["ok"] * 3
     prints = {found.fingerprints.scene for found in cells.values() if found.fingerprints}
@@ -62,7 +62,8 @@ def test_each_view_has_its_own_cells(tmp_path: Path) -> None:
     stack = np.array([image for image in images if image is not None])
     for one, other in ((0, 1), (0, 2), (1, 2)):
         assert np.abs(stack[one] - stack[other]).max() > 0.01
-    again = run(["glass_bars"], ["a_buffer"], out=tmp_path, views=["plan,left"], **GUARD)
+    again = run(["glass_bars"], ["a_buffer"], out=tmp_path, views=["plan,left"], **GUARD).summary
+    assert again is not None
     assert (again.kept, again.statuses) == (2, {})
 
 

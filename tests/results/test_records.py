@@ -70,7 +70,7 @@ def test_rows_are_flat(tmp_path: Path) -> None:
     )
     frame = Results.load(store(tmp_path, *cells)).frame()
     assert len(frame) == 4
-    assert frame["matched.flip_ldr@67ppd"].notna().sum() == 1
+    assert frame["flip_matched"].notna().sum() == 1
     assert set(frame["name"]) == {"murk", "glow", "<b>bold</b>"}
     assert not frame.map(lambda value: isinstance(value, list | dict)).any(axis=None)
 
