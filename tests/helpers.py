@@ -14,6 +14,7 @@ import numpy as np
 from oitbench.effects import Effect
 from oitbench.gl.device import Device
 from oitbench.gl.frame import Frame, Image
+from oitbench.gl.plan import FramePlan
 from oitbench.gl.uploaded_scene import UploadedScene
 from oitbench.measure import accounting
 from oitbench.method import steps
@@ -145,6 +146,23 @@ def bits_per_pixel(device: Device, scene: Scene, chosen: Method | str, **options
     """Return the memory of a frame in bits per pixel."""
     with opened(device, scene, chosen, **options) as frame:
         return accounting.memory(frame).bits_per_pixel
+
+
+def planned_bits(chosen: Method | str, mechanism: str) -> float:
+    """Return the bits per pixel of a method's targets by a mechanism that drivers may lack."""
+    chosen = method(chosen) if isinstance(chosen, str) else chosen
+    plan = FramePlan.of(chosen, (1, 1), chosen.shows, mechanism=mechanism)
+    return 8 * sum(count for _, count in plan.target_bytes())
+
+
+def takes_any_order(device: Device, chosen: Method | str) -> bool:
+    """Return whether the driver takes the fragments of a pixel in an order that it does not fix.
+
+    Pictures of methods that depend on the order then have no model, and change from run to run.
+    """
+    chosen = method(chosen) if isinstance(chosen, str) else chosen
+    plan = FramePlan.of(chosen, (1, 1), chosen.shows, mechanism=device.mechanism)
+    return plan.in_order_of_arrival and not device.software
 
 
 def full_plan(chosen: Method) -> Plan:

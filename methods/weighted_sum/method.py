@@ -38,5 +38,7 @@ class WeightedSum(oit.Method):
     def plan(self, request: oit.Request) -> oit.Plan:
         color = oit.Target(oit.float_format("rgba", self.precision))
         gather = oit.Gather("gather.glsl", writes={"sum": oit.ADD})
-        resolve = oit.Resolve("resolve.glsl", reads=("sum",), writes={"color": oit.OVER})
+        resolve = oit.Resolve(
+            "resolve.glsl", reads=("sum", "opaque_color"), writes={"color": oit.REPLACE}
+        )
         return oit.Plan({"sum": color, "color": color}, (gather, resolve))
