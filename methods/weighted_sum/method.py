@@ -10,7 +10,8 @@ more than one.
 Source: Meshkin 2007, "Sort-Independent Alpha Blending", GDC.
 
 Known failures: exact for one layer and approximately for thin ones only. Opaque layers add up like
-thin ones, so deep stacks become ever brighter, and the background turns negative.
+thin ones, so deep stacks become ever brighter, and the background turns negative; half floats clip
+both at 65504.
 """
 
 import oitbench as oit

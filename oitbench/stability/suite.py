@@ -177,7 +177,9 @@ def _nonfinite(renderings: Sequence[Rendering]) -> Nonfinite:
 def _repeats(taken: Sequence[Rendering], allowed: float) -> bool:
     """Return whether all images of one shot are equal, with differences up to `allowed`."""
     first, *others = (rendering.image for rendering in taken)
-    return all(np.allclose(first, other, rtol=0, atol=allowed, equal_nan=True) for other in others)
+    return allowed == math.inf or all(
+        np.allclose(first, other, rtol=0, atol=allowed, equal_nan=True) for other in others
+    )
 
 
 def _freedom(device: Device, method: Method, shot: Shot, rendering: Rendering) -> float:

@@ -107,6 +107,14 @@ def test_the_march_follows_the_model(
     )
 
 
+def test_thin_fog_keeps_its_digits(device: Device) -> None:
+    """The slices hide less than the last digit of the light that passes them."""
+    medium = replace(FOG, extinction=FOG.extinction * 1e-6)
+    accum, _ = targets(device, foggy(medium, (EnvironmentLight(AMBIENT),)))
+    expected, _ = sums(model.march(CAMERA, medium, SIZE, STEPS, 3.0, (), AMBIENT))
+    np.testing.assert_allclose(accum, expected, rtol=2e-5)
+
+
 def test_fog_equals_a_plane_for_each_step(device: Device) -> None:
     medium = replace(FOG, density=RAMP)
     lights = (LAMP, EnvironmentLight(AMBIENT))
