@@ -12,8 +12,10 @@ from typing import Any
 import numpy as np
 
 from oitbench.effects import Effect
+from oitbench.errors import CapabilityError
 from oitbench.gl.device import Device
 from oitbench.gl.frame import Frame, Image
+from oitbench.gl.plan import FramePlan
 from oitbench.gl.uploaded_scene import UploadedScene
 from oitbench.measure import accounting
 from oitbench.method import steps
@@ -22,7 +24,7 @@ from oitbench.method.passes import Pass
 from oitbench.method.storage import Target
 from oitbench.plugins import Collection
 from oitbench.scene import BLACK as NOTHING
-from oitbench.scene import WHITE, FragmentLists, Scene
+from oitbench.scene import WHITE, Floats, FragmentLists, Scene
 from oitbench.shading import DEFAULT, ShadingSettings
 from oitbench.stability import suite
 from oitbench.stability.check import Check
@@ -145,6 +147,45 @@ def bits_per_pixel(device: Device, scene: Scene, chosen: Method | str, **options
     """Return the memory of a frame in bits per pixel."""
     with opened(device, scene, chosen, **options) as frame:
         return accounting.memory(frame).bits_per_pixel
+
+
+def planned_bits(chosen: Method | str, mechanism: str) -> float:
+    """Return the bits per pixel of a method's targets by a mechanism that drivers may lack."""
+    chosen = method(chosen) if isinstance(chosen, str) else chosen
+    plan = FramePlan.of(chosen, (1, 1), chosen.shows, mechanism=mechanism)
+    return 8 * sum(count for _, count in plan.target_bytes())
+
+
+def offered(device: Device, chosen: Method | str) -> bool:
+    """Return whether the driver has a way of blending in shaders that a method needs, if any."""
+    chosen = method(chosen) if isinstance(chosen, str) else chosen
+    try:
+        FramePlan.of(chosen, (1, 1), chosen.shows, mechanism=device.mechanism)
+    except CapabilityError:
+        return False
+    return True
+
+
+def moved(device: Device, picture: Floats) -> float:
+    """Return the largest change of a picture, shape (h, w, ...), when its vertices are snapped.
+
+    GPUs move them to a grid inside of pixels before they interpolate. Software renderers snap edges
+    alone.
+    """
+    if device.software:
+        return 0.0
+    step = 2.0 ** -int(device.context.info["GL_SUBPIXEL_BITS"]) / 2
+    return step * sum(float(abs(np.diff(picture, axis=axis)).max()) for axis in (0, 1))
+
+
+def takes_any_order(device: Device, chosen: Method | str) -> bool:
+    """Return whether the driver takes the fragments of a pixel in an order that it does not fix.
+
+    Pictures of methods that depend on the order then have no model, and change from run to run.
+    """
+    chosen = method(chosen) if isinstance(chosen, str) else chosen
+    plan = FramePlan.of(chosen, (1, 1), chosen.shows, mechanism=device.mechanism)
+    return plan.in_order_of_arrival and not device.software
 
 
 def full_plan(chosen: Method) -> Plan:

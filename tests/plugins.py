@@ -49,7 +49,7 @@ def misbehaving(folder: Path) -> Path:
     for name, value, requires in (
         ("broken", "nowhere", ()),
         ("demanding", "1.0", ("no_such_thing",)),
-        ("unstable", "0.0 / (fragment.z - fragment.z)", ()),
+        ("unstable", "sqrt(-fragment.z)", ()),
     ):
         write_method(
             folder / "methods" / name,

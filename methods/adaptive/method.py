@@ -20,16 +20,18 @@ node and pixel, two floats, up to 16 nodes; above, 4 B per node, with 24 bits of
 transmittance.
 
 Source: Salvi, Montgomery & Lefohn 2011, "Adaptive Transparency". Fragments are inserted in
-submission order. The paper's curve is strict (H(0) = 0, eq. 5), and so is this one: layers of
-exactly equal depth do not hide each other, whereas in the recursion of eq. 3 one hides the other.
+submission order; lists on GPUs keep the order of arrival instead. The paper's curve is strict (H(0)
+= 0, eq. 5), and so is this one: layers of exactly equal depth do not hide each other, whereas in
+the recursion of eq. 3 one hides the other.
 
 Known failures: more than N layers darken (`under`) or brighten (`over`) the picture, which then
-depends on the order of submission. Many faint layers of similar strength darken most: the area of
-each removal is small, but their sum is not. Coplanar layers are too bright. Packed nodes round
-transmittance to 1/255 at each insertion, so layers that hide less than half a step leave no trace:
-of hundreds of faint layers, 32 packed nodes show far less than 16 float nodes. Contrary to the
-paper's ranking, 16 nodes err more than 16 stochastic samples on the 650-layer lists of the tests
-(mean error 0.022 against 0.013); 32 nodes err less than 64 samples.
+depends on the order of submission. With lists on GPUs it changes from run to run. Many faint layers
+of similar strength darken most: the area of each removal is small, but their sum is not. Coplanar
+layers are too bright. Packed nodes round transmittance to 1/255 at each insertion, so layers that
+hide less than half a step leave no trace: of hundreds of faint layers, 32 packed nodes show far
+less than 16 float nodes. Contrary to the paper's ranking, 16 nodes err more than 16 stochastic
+samples on the 650-layer lists of the tests (mean error 0.022 against 0.013); 32 nodes err less than
+64 samples.
 """
 
 import oitbench as oit

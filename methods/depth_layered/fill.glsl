@@ -1,4 +1,5 @@
 // Shares the fragment between the two slabs around its depth; this pass fills HELD of them.
+#include "oitbench/hidden.glsl"
 #if BLOCK == 0
 #define SET_SLAB set_near
 #define ABSORBANCE near_absorbance
@@ -26,7 +27,7 @@ void gather(Fragment fragment) {
         float share = max(1.0 - abs(place - float(BLOCK * HELD + i)), 0.0);
         absorbances[i] = share * absorbed;
         // The whole opacity of a layer in one slab, without the rounding of its logarithm.
-        float opacity = share < 1.0 ? 1.0 - exp(-absorbances[i]) : layer.a;
+        float opacity = share < 1.0 ? hidden_by(absorbances[i]) : layer.a;
         // Light of layers that hide nothing is shared, too.
         float fraction = layer.a > 1e-4 ? opacity / layer.a : share;
         SET_SLAB(i, vec4(layer.rgb * fraction, opacity));

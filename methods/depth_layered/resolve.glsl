@@ -1,10 +1,12 @@
 // Each slab's mean color over the next slab's, over the background.
+#include "oitbench/hidden.glsl"
+
 float part(float values, int i) { return values; }
 float part(vec2 values, int i) { return values[i]; }
 float part(vec4 values, int i) { return values[i]; }
 
 void add(vec4 slab, float absorbance) {
-    float covered = 1.0 - exp(-absorbance);
+    float covered = hidden_by(absorbance);
     // Where next to nothing hides, light adds up.
     vec3 light = slab.rgb * (slab.a > 1e-4 ? covered / slab.a : 1.0);
     color += (1.0 - color.a) * vec4(light, covered);

@@ -13,9 +13,8 @@ vec3 self_modulation(vec3 beta) {
 #endif
 }
 
-// Mean color of the layers; a half-float sum that overflowed counts as its greatest value.
 vec3 mean_layer() {
-    vec4 sum = min(read_accum(), vec4(65504.0));
+    vec4 sum = read_accum();
     return sum.rgb / max(sum.a, 1e-5);
 }
 

@@ -49,11 +49,10 @@ void resolve() {
             ivec2 texel = ivec2(x, y);
             float weight = weight_of(texel, at, plane);
             total += weight;
-            // A half-float sum that overflowed counts as its greatest value; zero times it is zero.
-            layers += weight * min(read_small_accum(texel), vec4(65504.0));
+            layers += weight * read_small_accum(texel);
             passed.rgb += weight * read_small_beta(texel).rgb;
 #ifdef EFFECT_DIFFUSION
-            passed.a += weight * min(read_small_beta(texel).a, 65504.0);
+            passed.a += weight * read_small_beta(texel).a;
 #endif
 #ifdef BENDS
             bends.xy += weight * read_small_delta(texel);

@@ -10,7 +10,8 @@ more than one.
 Source: Meshkin 2007, "Sort-Independent Alpha Blending", GDC.
 
 Known failures: exact for one layer and approximately for thin ones only. Opaque layers add up like
-thin ones, so deep stacks become ever brighter, and the background turns negative.
+thin ones, so deep stacks become ever brighter, and the background turns negative; half floats clip
+both at 65504.
 """
 
 import oitbench as oit
@@ -39,5 +40,7 @@ class WeightedSum(oit.Method):
     def plan(self, request: oit.Request) -> oit.Plan:
         color = oit.Target(oit.float_format("rgba", self.precision))
         gather = oit.Gather("gather.glsl", writes={"sum": oit.ADD})
-        resolve = oit.Resolve("resolve.glsl", reads=("sum",), writes={"color": oit.OVER})
+        resolve = oit.Resolve(
+            "resolve.glsl", reads=("sum", "opaque_color"), writes={"color": oit.REPLACE}
+        )
         return oit.Plan({"sum": color, "color": color}, (gather, resolve))

@@ -7,11 +7,14 @@ from collections.abc import Mapping
 CAPABILITIES: Mapping[str, tuple[str, ...]] = {
     "dual_source": ("GL_ARB_blend_func_extended",),
     "framebuffer_fetch": ("GL_EXT_shader_framebuffer_fetch",),
-    "interlock": ("GL_ARB_fragment_shader_interlock", "GL_NV_fragment_shader_interlock"),
+    "interlock": ("GL_ARB_fragment_shader_interlock",),
     "image_load_store": ("GL_ARB_shader_image_load_store",),
-    "post_depth_coverage": ("GL_ARB_post_depth_coverage", "GL_EXT_post_depth_coverage"),
+    "post_depth_coverage": ("GL_ARB_post_depth_coverage",),
 }
-"""Capability names for `Method.requires`; any one of the extensions provides the capability."""
+"""Capability names for `Method.requires`; any one of the extensions provides the capability.
+
+They are those that shaders name: others of the same kind have other functions in GLSL.
+"""
 
 FETCH, INTERLOCK, SPIN_LOCK = "framebuffer fetch", "interlock", "spin lock"
 ATOMICS = "atomics"

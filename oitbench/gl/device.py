@@ -27,6 +27,7 @@ _LIMITS = {
     "GL_MAX_ARRAY_TEXTURE_LAYERS": 0x88FF,
     "GL_MAX_DRAW_BUFFERS": 0x8824,
     "GL_MAX_FRAGMENT_IMAGE_UNIFORMS": 0x90CE,
+    "GL_MAX_IMAGE_SAMPLES": 0x906D,
     "GL_MAX_SAMPLES": 0x8D57,
     "GL_MAX_SHADER_STORAGE_BLOCK_SIZE": 0x90DE,
     "GL_MAX_TEXTURE_IMAGE_UNITS": 0x8872,
@@ -51,6 +52,7 @@ _SIGNATURES: dict[str, tuple[Any, ...]] = {
     "glTextureSubImage3D": (_UINT, *[_INT] * 7, _UINT, _UINT, _VOID),
     "glTexImage2DMultisample": (_UINT, _INT, _UINT, _INT, _INT, _BYTE),
     "glGetInteger64v": (_UINT, _VOID),
+    "glPixelStorei": (_UINT, _INT),
     "glFinish": (),
     "glCreateQueries": (_UINT, _INT, _VOID),
     "glQueryCounter": (_UINT, _UINT),
@@ -182,15 +184,16 @@ class Device:
     def mechanism(self, samples: int) -> str:
         """Return the best way of programmable blending that the driver offers.
 
-        Only framebuffer fetch supports more than one sample; images and a lock do not.
+        Without framebuffer fetch, several samples need images of as many.
 
         Raises
         ------
         CapabilityError
             The driver offers none.
         """
+        in_images = samples == 1 or samples <= self.limits["GL_MAX_IMAGE_SAMPLES"]
         for name, capability in MECHANISMS.items():
-            if self.has(capability) and (samples == 1 or name == FETCH):
+            if self.has(capability) and (in_images or name == FETCH):
                 return name
         several = f" of {samples} samples per pixel; give one (msaa=1)" if samples > 1 else ""
         raise CapabilityError(f"{self.renderer} offers no programmable blending{several}")

@@ -231,6 +231,16 @@ class FramePlan:
         return not replaces and any(OPAQUE_COLOR in item.reads for item in self.passes)
 
     @property
+    def in_order_of_arrival(self) -> bool:
+        """Whether fragments of a pixel come in the order of their arrival, which GPUs do not fix.
+
+        Lists and a spin lock take them so. Blending, framebuffer fetch and interlocks keep the
+        order of the draws.
+        """
+        lists = any(buffer.items is Items.FRAGMENTS for buffer in self.buffers.values())
+        return lists or self.mechanism == SPIN_LOCK
+
+    @property
     def parts(self) -> dict[int, str]:
         """Names of the parts in which a frame is timed, by the place of their first pass.
 

@@ -12,7 +12,8 @@ from oitbench.gl.program.passes import attach
 from oitbench.image.values import Values
 from oitbench.method.formats import FORMATS, Format
 
-_FLOAT, _UNSIGNED_INT, _DEPTH_COMPONENT = 0x1406, 0x1405, 0x1902
+_FLOAT, _UNSIGNED_INT, _BYTE, _DEPTH_COMPONENT = 0x1406, 0x1405, 0x1400, 0x1902
+_PACK_ALIGNMENT = 0x0D05
 _CHANNELS = {1: 0x1903, 2: 0x8227, 3: 0x1907, 4: 0x1908}
 _INTEGERS = {1: 0x8D94, 2: 0x8228, 3: 0x8D98, 4: 0x8D99}
 
@@ -38,15 +39,21 @@ def read_texels(
     width, height = size
     kinds = _INTEGERS if entry.integer else _CHANNELS
     channels = _DEPTH_COMPONENT if entry.depth else kinds[entry.components]
-    texels: Values = np.zeros(
-        (height, width, entry.components), np.uint32 if entry.integer else np.float32
-    )
+    shape = height, width, entry.components
+    kind = _FLOAT
+    texels: Values = np.zeros(shape, np.float32)
+    if entry.integer:
+        kind, texels = _UNSIGNED_INT, np.zeros(shape, np.uint32)
+    elif entry.signed:
+        # As numbers, NVIDIA returns the fractions of old versions of OpenGL, which have no zero.
+        kind, texels = _BYTE, np.zeros(shape, np.int8)
+    device.call("glPixelStorei", _PACK_ALIGNMENT, 1)
     # moderngl reads the type that the texture stores, which it takes for unsigned.
     device.call(
-        "glGetTextureImage",
-        *(texture.glo, 0, channels, _UNSIGNED_INT if entry.integer else _FLOAT),
-        *(texels.nbytes, texels.ctypes.data),
+        "glGetTextureImage", texture.glo, 0, channels, kind, texels.nbytes, texels.ctypes.data
     )
+    if entry.signed:
+        texels = np.maximum(texels.astype(np.float32) * np.float32(entry.step), np.float32(-1))
     return np.ascontiguousarray(texels[::-1])
 
 

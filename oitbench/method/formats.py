@@ -39,6 +39,16 @@ class Format:
         return self.dtype == "u4"
 
     @property
+    def signed(self) -> bool:
+        """Whether texels are signed fractions of bytes."""
+        return self.name.endswith("_snorm")
+
+    @property
+    def half(self) -> bool:
+        """Whether texels are half floats."""
+        return self.dtype == "f2"
+
+    @property
     def depth(self) -> bool:
         """Whether this is a depth format."""
         return self.name.startswith("depth")
@@ -51,6 +61,8 @@ class Format:
         return f"{'u' if self.integer else ''}vec{self.components}"
 
 
+LARGEST_HALF = 65504.0
+"""The greatest half float. Beyond it, sums are infinite on GPUs and stay at it on llvmpipe."""
 _HALF = 2.0**-11
 _FULL = 2.0**-24
 FORMATS: dict[str, Format] = {

@@ -70,11 +70,14 @@ class Rendering:
         The opaque picture that the frame starts with.
     exact : array, shape (h, w, 3), optional
         The exact image, if the check needs it.
+    in_order_of_arrival : bool
+        Whether the driver is free to take the fragments of a pixel in another order each time.
     """
 
     color: Image
     opaque_color: Image
     exact: Image | None = None
+    in_order_of_arrival: bool = False
 
     @property
     def image(self) -> Image:

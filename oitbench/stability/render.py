@@ -69,4 +69,8 @@ class UploadedScenes(Owner):
 
 def _render(frame: Frame, shot: Shot) -> Rendering:
     frame.render(shot.transmittance, shot.permutation)
-    return Rendering(frame.read("color"), frame.read("opaque_color"))
+    return Rendering(
+        frame.read("color"),
+        frame.read("opaque_color"),
+        in_order_of_arrival=frame.plan.in_order_of_arrival and not frame.device.software,
+    )

@@ -30,7 +30,8 @@ class CheckResult(Struct, frozen=True):
     the pixels of a random method, within 4 standard errors, and not in each pixel. `reason` says
     why a check does not apply, or why there is no image. `nonfinite` counts pixels of all images;
     negative ones are no fault where the method's formula `may_be_negative`. `repeatable` says that
-    images that were rendered twice are equal in every bit.
+    images that were rendered twice are equal in every bit. On a GPU they may differ by rounding
+    and, if fragments are taken in the order of their arrival, as far as the method depends on it.
     """
 
     method: str

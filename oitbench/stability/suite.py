@@ -164,7 +164,7 @@ def _examine(
         nonfinite=_nonfinite(first),
         may_be_negative=method.may_be_negative,
         repeatable=all(
-            _repeats(taken, 0.0 if scenes.device.software else _rounding(method, shot, taken[0]))
+            _repeats(taken, _freedom(scenes.device, method, shot, taken[0]))
             for shot, taken in zip(check.shots, renderings, strict=True)
         ),
     )
@@ -179,14 +179,22 @@ def _nonfinite(renderings: Sequence[Rendering]) -> Nonfinite:
 def _repeats(taken: Sequence[Rendering], allowed: float) -> bool:
     """Return whether all images of one shot are equal, with differences up to `allowed`."""
     first, *others = (rendering.image for rendering in taken)
-    return all(np.allclose(first, other, rtol=0, atol=allowed, equal_nan=True) for other in others)
+    return allowed == math.inf or all(
+        np.allclose(first, other, rtol=0, atol=allowed, equal_nan=True) for other in others
+    )
 
 
-def _rounding(method: Method, shot: Shot, rendering: Rendering) -> float:
-    """Return the difference that another order of the fragments can make by rounding alone.
+def _freedom(device: Device, method: Method, shot: Shot, rendering: Rendering) -> float:
+    """Return how far two images of one shot may differ.
 
-    GPUs add fragments to lists in any order; software renderers keep the order of the draws.
+    Software renderers keep the order of the draws. Where a GPU takes the fragments of a pixel in
+    any order, an image differs by rounding if the method promises independence of the order, and
+    else by any amount.
     """
+    if device.software:
+        return 0.0
+    if rendering.in_order_of_arrival and "order_independent" not in method.promised:
+        return math.inf
     lists, objects = shot.scene.lists, shot.scene.transparent
     layers = 2 * len(objects) if lists is None else len(lists.z)
     finite = rendering.image[np.isfinite(rendering.image)]

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from oitbench.errors import CapabilityError
-from oitbench.gl.capabilities import is_software, loop_limit
+from oitbench.gl.capabilities import FETCH, INTERLOCK, SPIN_LOCK, is_software, loop_limit
 from oitbench.gl.device import Device
 from tests.helpers import foreign_method, opened, random_lists, scene_of, write_method
 
@@ -86,3 +86,29 @@ void resolve() {
             counted.append(int(np.unique(frame.image())[0]))
     assert counted[0] == limit - 1
     assert counted[1] < limit + 100
+
+
+@pytest.mark.parametrize(
+    ("capabilities", "images", "expected"),
+    [
+        ({"framebuffer_fetch", "interlock", "image_load_store"}, 0, FETCH),
+        ({"interlock", "image_load_store"}, 4, INTERLOCK),
+        ({"image_load_store"}, 8, SPIN_LOCK),
+        ({"interlock", "image_load_store"}, 2, None),
+    ],
+)
+def test_four_samples_blend_in_images_of_as_many(
+    device: Device,
+    monkeypatch: pytest.MonkeyPatch,
+    capabilities: set[str],
+    images: int,
+    expected: str | None,
+) -> None:
+    monkeypatch.setattr(device, "has", capabilities.__contains__)
+    monkeypatch.setitem(device.limits, "GL_MAX_IMAGE_SAMPLES", images)
+    assert device.mechanism(1) in (FETCH, INTERLOCK, SPIN_LOCK)
+    if expected is None:
+        with pytest.raises(CapabilityError, match=r"no programmable blending of 4 samples"):
+            device.mechanism(4)
+    else:
+        assert device.mechanism(4) == expected

@@ -207,6 +207,19 @@ def test_a_scene_beyond_a_limit_is_refused_with_its_name_and_value(
         frame.render()
 
 
+def test_more_textures_than_units_are_refused_though_the_driver_links_them(
+    device: Device, limited: dict[str, int]
+) -> None:
+    limited["GL_MAX_TEXTURE_IMAGE_UNITS"] = 1
+    match = r"opaque: \w+\.glsl \(textures\): \d exceeds GL_MAX_TEXTURE_IMAGE_UNITS"
+    scene = lit(EnvironmentLight((1.0, 1.0, 1.0)))
+    with (
+        pytest.raises(CapabilityError, match=match),
+        opened(device, scene, "phenomenological", (8, 8)) as frame,
+    ):
+        frame.render()
+
+
 def work(device: Device, owner: str, slot: int) -> None:
     with device.checked(owner):
         device.call("glColorMaski", slot, 1, 1, 1, 1)

@@ -15,9 +15,13 @@ from tests.benchmarks.speed import overlapping_quads
 from tests.helpers import (
     assert_order_independent,
     collection,
+    method,
+    offered,
     opened,
     random_lists,
     render,
+    rounding,
+    takes_any_order,
     write_method,
 )
 
@@ -53,6 +57,8 @@ def test_edges_equal_those_of_hardware_multisampling(
     truth = blended_by_hardware(device, tmp_path, scene)
     assert abs(truth - render(device, scene, "a_buffer", size=SIZE)).max() > 0.05
     for name in names:
+        if not offered(device, name):
+            continue
         found = render(device, scene, name, size=SIZE)
         np.testing.assert_allclose(found, truth, rtol=0, atol=1e-6, err_msg=name)
 
@@ -75,10 +81,17 @@ def test_edges_equal_those_of_hardware_multisampling(
 def test_pixels_that_are_covered_completely_do_not_change(
     device: Device, name: str, layers: int
 ) -> None:
+    four = name.format("msaa=4")
+    if not offered(device, four):
+        pytest.skip(f"{device.renderer} cannot blend four samples in shaders")
+    free = takes_any_order(device, four)
+    if free and layers > 8 and name.startswith("adaptive"):
+        pytest.skip(f"{device.renderer} fills lists in any order")
     lists = random_lists(layers, tinted=True, side=8)
-    found = render(device, lists, name.format("msaa=4"))
-    # The iterative resolve multiplies in the order of arrival.
+    found = render(device, lists, four)
+    # The iterative resolve multiplies in the order of arrival, and so do all lists on GPUs.
     allowed = 1e-6 if "iterative" in name else 0.0
+    allowed = max(allowed, rounding(method(four), layers, 1.0)) if free else allowed
     np.testing.assert_allclose(
         found, render(device, lists, name.format("msaa=1")), rtol=0, atol=allowed
     )

@@ -108,7 +108,9 @@ def with_openness(
 
 def coverage_of(device: Device, scene: Scene) -> Image:
     """Return the leaf's coverage at each pixel."""
-    with opened(device, scene, "alpha_blend", SIZE, effects=Effect.COVERAGE) as frame:
+    # Half floats would round the opacity of edges.
+    precise = "alpha_blend[precision=float]"
+    with opened(device, scene, precise, SIZE, effects=Effect.COVERAGE) as frame:
         frame.render(transmittance=True)
         return 1 - frame.image()[..., 0]
 

@@ -11,6 +11,7 @@ from oitbench import (
     COMPOSITE,
     COUNT,
     OVER,
+    PROGRAMMABLE,
     Buffer,
     Effect,
     Gather,
@@ -20,7 +21,7 @@ from oitbench import (
     Resolve,
 )
 from oitbench.errors import DeclarationError
-from oitbench.gl.capabilities import ATOMICS, FETCH, INTERLOCK
+from oitbench.gl.capabilities import ATOMICS, FETCH, INTERLOCK, SPIN_LOCK
 from oitbench.gl.program import accessors as buffers
 from oitbench.gl.program import prelude
 from oitbench.gl.program.bindings import Bindings
@@ -107,7 +108,10 @@ def test_functions_that_read_return_the_type_of_the_texel() -> None:
     ):
         assert f"uniform {sampler} {name}_texture;" in text
         assert f"{kind} read_{name}(ivec2 pixel)" in text
-        assert f"texelFetch({name}_texture, pixel, 0){swizzle}; }}" in text
+        texel = f"texelFetch({name}_texture, pixel, 0){swizzle}"
+        if TARGETS[name].texel.half:
+            texel = f"clamp({texel}, -65504.0, 65504.0)"
+        assert f"return {texel}; }}" in text
         assert f"{kind} read_{name}() " in text
 
 
@@ -226,3 +230,18 @@ def test_only_targets_numbered_from_zero_are_a_family(
     names: list[str], found: dict[str, int]
 ) -> None:
     assert indexed_families(names) == found
+
+
+@pytest.mark.parametrize("mechanism", [INTERLOCK, SPIN_LOCK])
+@pytest.mark.parametrize(("samples", "kind"), [(1, "image2D "), (4, "image2DMS ")])
+def test_shaders_blend_in_images_of_as_many_samples(
+    mechanism: str, samples: int, kind: str
+) -> None:
+    text = prelude.outputs(gather(writes={"accum": PROGRAMMABLE}), TARGETS, mechanism, samples)
+    assert f" {kind}accum_image;" in text
+    assert ("gl_SampleID" in text) == (samples > 1)
+    if mechanism == INTERLOCK:
+        unit = "sample" if samples > 1 else "pixel"
+        assert f"layout({unit}_interlock_ordered) in;" in text
+    else:
+        assert f"u{kind}lock_image;" in text

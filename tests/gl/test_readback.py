@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -10,6 +12,7 @@ from oitbench.gl.device import Device
 from oitbench.gl.program.passes import attach
 from oitbench.gl.readback import format_of, read_averaged, read_texels
 from oitbench.method.formats import FORMATS
+from tests.helpers import foreign_method, opened, random_lists, scene_of, write_method
 
 SIZE = (5, 3)
 
@@ -57,3 +60,25 @@ def test_rows_come_from_the_top(device: Device) -> None:
 def test_samples_that_have_no_mean_are_refused_by_name(device: Device, name: str) -> None:
     with pytest.raises(UsageError, match=f"target lock: {name} of several samples"):
         read_averaged(device, "lock", device.context.screen, SIZE, FORMATS[name])
+
+
+def test_shaders_read_an_overflowed_half_float_as_the_greatest(
+    device: Device, tmp_path: Path
+) -> None:
+    """Sums are infinite on GPUs alone, so here a shader writes what the sum would be."""
+    write_method(
+        tmp_path / "overflowing",
+        '(Gather("gather.glsl", writes={"sum": REPLACE}),'
+        ' Resolve("resolve.glsl", reads=("sum",), writes={"color": REPLACE}))',
+        '{"sum": Target("rg16f"), "color": Target("rgba32f")}',
+        members="expresses = Effect.COVERAGE",
+        gather="void gather(Fragment fragment) {"
+        " sum = vec2(1.0, -1.0) / (fragment.z - fragment.z); }",
+        resolve="void resolve() { color = vec4(read_sum(), 0.0, 1.0); }",
+    )
+    with opened(
+        device, scene_of(random_lists(1)), foreign_method(tmp_path / "overflowing")
+    ) as frame:
+        frame.render()
+        assert np.isinf(frame.read("sum")).all()
+        assert frame.image()[0, 0].tolist() == [65504.0, -65504.0, 0.0]

@@ -32,6 +32,7 @@ from oitbench.scene.texturing import constant
 from oitbench.shading import OCCLUDERS, PUBLISHED, SLICES, ShadingSettings
 from tests.helpers import Empty, opened
 from tests.models.shadows import occluder_light, published_light, traced_light
+from tests.path_traced.agreement import needs_mitsuba
 
 SIZE = (64, 64)
 ABOVE = Camera(position=(0, 6, 0), target=(0, 0, 0), up=(0, 0, -1), fov_y=math.radians(20))
@@ -267,16 +268,25 @@ def test_slices_hold_cutouts_smaller_than_their_texels(device: Device) -> None:
     np.testing.assert_allclose(found.mean(), 0.5, atol=0.03)
 
 
+HALF_CLEAR = Material(transmission=(0.5, 0.5, 0.5))
+
+
+@needs_mitsuba
+def test_objects_that_receive_no_shadows_are_lit_by_the_path_tracer_too() -> None:
+    scene = under(HALF_CLEAR)
+    floor, shade = scene.objects
+    free = replace(scene, objects=(replace(floor, receives_shadows=False), shade))
+    np.testing.assert_allclose(matched(free, (8, 8), 1)[2:6, 2:6], 0.5, atol=1e-6)
+    np.testing.assert_allclose(matched(scene, (8, 8), 1)[2:6, 2:6], 0.25, atol=1e-6)
+
+
 @pytest.mark.parametrize("form", [PUBLISHED, OCCLUDERS, SLICES])
 def test_objects_that_receive_no_shadows_are_lit(device: Device, form: str) -> None:
-    """In both renderers; the object still casts a shadow on others."""
-    pane = Material(transmission=(0.5, 0.5, 0.5))
-    scene = under(pane)
+    """The object still casts a shadow on others."""
+    scene = under(HALF_CLEAR)
     floor, shade = scene.objects
     free = replace(scene, objects=(replace(floor, receives_shadows=False), shade))
     np.testing.assert_allclose(lit(device, free, form=form), 1.0, atol=1e-6)
-    np.testing.assert_allclose(matched(free, (8, 8), 1)[2:6, 2:6], 0.5, atol=1e-6)
-    np.testing.assert_allclose(matched(scene, (8, 8), 1)[2:6, 2:6], 0.25, atol=1e-6)
     both = replace(scene, objects=(floor, replace(shade, receives_shadows=False)))
     assert_mean(lit(device, both, form=form), 0.5)
 

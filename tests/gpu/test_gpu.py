@@ -13,18 +13,28 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from oitbench.gl.capabilities import CAPABILITIES, MECHANISMS
+from oitbench.gl.capabilities import CAPABILITIES, FETCH, MECHANISMS
 from oitbench.gl.device import Device
 from oitbench.gl.readback import read_texels
 from oitbench.gl.timestamps import Timestamps
 from oitbench.measure.oracle import composite
 from oitbench.method.formats import FORMATS
-from tests.helpers import BACKGROUND, method, opened, random_lists, render, scene_of, tolerance
+from tests.helpers import (
+    BACKGROUND,
+    method,
+    offered,
+    opened,
+    random_lists,
+    render,
+    scene_of,
+    takes_any_order,
+    tolerance,
+)
 from tests.models import bounded
 
 MODELS = {"k_buffer": bounded.k_buffer, "multilayer_alpha": bounded.multilayer_alpha}
 EXACT = ("a_buffer", "depth_peeling", "dual_depth_peeling", "k_buffer[k=16]")
-ORDERED = ("multilayer_alpha", "adaptive[memory=fixed]", "hybrid")
+ORDERED = ("multilayer_alpha", "multilayer_alpha[msaa=4]", "adaptive[memory=fixed]", "hybrid")
 COUNT = 12
 
 
@@ -36,6 +46,23 @@ def mechanisms(device: Device) -> list[str]:
 def test_capabilities_can_be_asked_for(device: Device) -> None:
     assert all(isinstance(device.has(name), bool) for name in CAPABILITIES)
     assert mechanisms(device)
+
+
+def offers_samples(device: Device, mechanism: str) -> bool:
+    """Return whether shaders can blend four samples in this way."""
+    return mechanism == FETCH or device.limits["GL_MAX_IMAGE_SAMPLES"] >= 4
+
+
+@pytest.mark.parametrize("name", ["k_buffer", "multilayer_alpha", "adaptive[memory=fixed]"])
+def test_four_samples_are_blended_by_each_mechanism(device: Device, name: str) -> None:
+    four, layers = f"{name.removesuffix(']')}{',' if '[' in name else '['}msaa=4]", 4
+    lists = random_lists(layers, side=64)
+    one = render(device, lists, name)
+    allowed = 0.0 if device.software else tolerance(method(four), layers, 1.0)
+    for mechanism in mechanisms(device):
+        if offers_samples(device, mechanism):
+            found = render(device, lists, four, mechanism=mechanism)
+            np.testing.assert_allclose(found, one, rtol=0, atol=allowed, err_msg=mechanism)
 
 
 @pytest.mark.parametrize("name", ["k_buffer", "multilayer_alpha"])
@@ -52,6 +79,8 @@ def test_each_mechanism_follows_the_model_within_k_layers(device: Device, name: 
 @pytest.mark.parametrize("name", ORDERED)
 def test_an_ordered_interlock_gives_the_same_image_each_time(device: Device, name: str) -> None:
     lists = random_lists(40, side=64)
+    if not offered(device, name) or takes_any_order(device, name):
+        pytest.skip(f"{device.renderer} has no interlock for it")
     with opened(device, scene_of(lists), name) as frame:
         frame.render()
         first = frame.image()
@@ -109,7 +138,9 @@ def test_formats_hold_the_value_they_are_cleared_to(device: Device, name: str) -
 
 @pytest.mark.skipif(shutil.which("glslangValidator") is None, reason="needs glslang")
 @pytest.mark.parametrize("mechanism", ["interlock", "spin lock"])
-@pytest.mark.parametrize("name", ["k_buffer", "multilayer_alpha", "hybrid"])
+@pytest.mark.parametrize(
+    "name", ["k_buffer", "multilayer_alpha", "multilayer_alpha[msaa=4]", "hybrid"]
+)
 def test_the_reference_compiler_accepts_mechanisms_that_this_driver_may_lack(
     device: Device, monkeypatch: pytest.MonkeyPatch, tmp_path: Path, name: str, mechanism: str
 ) -> None:

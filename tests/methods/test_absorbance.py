@@ -28,6 +28,7 @@ from tests.helpers import (
     render,
     scene_of,
     stack,
+    takes_any_order,
 )
 from tests.models import absorbance as model
 
@@ -124,7 +125,9 @@ def test_visibility_is_between_0_and_1_and_falls_in_opacity_maps(
     assert found[0] == 1.0
     assert found[-1] == pytest.approx(0.1 * 0.5 * 0.05 * 0.8 * 0.7, rel=1e-4)
     if curve.startswith("opacity_map"):
-        assert (np.diff(found) <= 0).all()
+        # Each pixel may sum its list in another order.
+        several = takes_any_order(device, f"{curve},{memory}]")
+        assert (np.diff(found) <= (5 * 2.0**-24 if several else 0.0)).all()
 
 
 @pytest.mark.parametrize("curve", DEFAULTS)

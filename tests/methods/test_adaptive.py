@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import numpy as np
 import numpy.typing as npt
 import pytest
-from hypothesis import given, settings
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
+from oitbench.gl.capabilities import MECHANISMS
 from oitbench.gl.device import Device
 from oitbench.gl.frame import Image
 from oitbench.measure.oracle import composite, transmittances
@@ -27,6 +29,7 @@ from tests.helpers import (
     render,
     scene_of,
     stack,
+    takes_any_order,
 )
 from tests.models import adaptive as model
 
@@ -34,6 +37,21 @@ SIDE = 6
 ARITHMETIC = 2e-6
 """Rounding of 32-bit floats over tens of layers with radiance up to one."""
 MEMORIES = ("node=precise", "memory=fixed")
+
+
+def needs_the_order(device: Device, name: str) -> None:
+    """Skip if the driver takes the fragments of a pixel in an order that no model knows."""
+    if takes_any_order(device, name):
+        pytest.skip(f"{device.renderer} fills lists in any order")
+
+
+def of_product(factors: int) -> float:
+    """Return the relative rounding of a product in single precision, each factor a mean of three.
+
+    GPUs divide by three in a product with a third, which is rounded by 2^-25. That adds up; the
+    five other roundings of a factor are a random walk, of which this is four standard deviations.
+    """
+    return (factors + 4 * math.sqrt(5 * factors)) * 2.0**-25
 
 
 def lists(seed: int, layers: int, side: int = SIDE) -> FragmentLists:
@@ -112,6 +130,7 @@ def test_pictures_follow_the_model(
 ) -> None:
     drawn = lists(seed, layers)
     name = f"adaptive[nodes={nodes},removal={removal},channels={channels},{memory}]"
+    assume(layers <= nodes or not takes_any_order(device, name))
     truth = expected(drawn, nodes, removal, channels == "rgb")
     allowed = ARITHMETIC * max(1.0, float(truth[0].max()))
     assert_agrees(render(device, drawn, name), truth, allowed)
@@ -133,6 +152,7 @@ def test_packed_nodes_follow_the_model_with_its_quantization(
 
 @pytest.mark.parametrize("channels", ["gray", "rgb"])
 def test_packed_records_follow_the_model_of_rounded_layers(device: Device, channels: str) -> None:
+    needs_the_order(device, f"adaptive[nodes=5,channels={channels}]")
     drawn = lists(4, 20)
     factors = transmittances(drawn)
     opacity = np.round((1 - factors.mean(axis=-1, keepdims=True)) * 255) / 255
@@ -145,6 +165,7 @@ def test_packed_records_follow_the_model_of_rounded_layers(device: Device, chann
 
 @pytest.mark.parametrize("memory", MEMORIES)
 def test_window_depth_changes_the_removed_nodes(device: Device, memory: str) -> None:
+    needs_the_order(device, f"adaptive[{memory}]")
     drawn = lists(5, 12)
     camera = scene_of(drawn).camera
     window = (1 - camera.near / drawn.z.astype(np.float64)) / (1 - camera.near / camera.far)
@@ -159,21 +180,28 @@ def test_window_depth_changes_the_removed_nodes(device: Device, memory: str) -> 
 def test_lists_and_fixed_memory_give_the_same_picture(
     device: Device, nodes: int, removal: str
 ) -> None:
+    needs_the_order(device, "adaptive")
     drawn = lists(6, 40)
     name = f"adaptive[nodes={nodes},removal={removal}"
     pictures = [render(device, drawn, f"{name},{memory}]") for memory in MEMORIES]
     np.testing.assert_allclose(pictures[0], pictures[1], rtol=2.0**-20, atol=2.0**-20)
 
 
-@pytest.mark.parametrize("mechanism", ["framebuffer fetch", "spin lock"])
+@pytest.mark.parametrize("samples", [1, 4])
 @pytest.mark.parametrize("nodes", [7, 18])
 def test_all_mechanisms_of_programmable_blending_give_the_same_picture(
-    device: Device, nodes: int, mechanism: str
+    device: Device, nodes: int, samples: int
 ) -> None:
-    drawn = lists(7, 30)
-    name = f"adaptive[nodes={nodes},memory=fixed]"
-    found = render(device, drawn, name, mechanism=mechanism)
-    np.testing.assert_array_equal(found, render(device, drawn, name))
+    name = f"adaptive[nodes={nodes},memory=fixed,msaa={samples}]"
+    # A spin lock takes the fragments in the order of their arrival; without removals none counts.
+    layers = 30 if device.software else nodes
+    drawn = lists(7, layers)
+    best = render(device, drawn, name)
+    for mechanism, capability in MECHANISMS.items():
+        if device.has(capability):
+            found = render(device, drawn, name, mechanism=mechanism)
+            allowed = 0.0 if device.software else (2 / 255 if nodes > 16 else ARITHMETIC)
+            np.testing.assert_allclose(found, best, rtol=0, atol=allowed, err_msg=mechanism)
 
 
 @pytest.mark.parametrize("memory", MEMORIES)
@@ -194,7 +222,7 @@ def test_total_transmittance_is_exact_for_any_number_of_nodes(
     found = render(device, faint, f"adaptive[nodes={nodes},removal={removal},{memory}]")
     truth = composite(faint, BACKGROUND)
     assert 0.1 < truth.min() < 0.2
-    np.testing.assert_allclose(found, truth, rtol=0, atol=1e-6)
+    np.testing.assert_allclose(found, truth, rtol=of_product(len(faint.z)), atol=0)
 
 
 def visibility(device: Device, dark: FragmentLists, name: str) -> Image:
@@ -213,6 +241,7 @@ def visibility(device: Device, dark: FragmentLists, name: str) -> Image:
 @pytest.mark.parametrize("nodes", [2, 4, 8])
 @pytest.mark.parametrize("memory", MEMORIES)
 def test_visibility_lies_between_under_and_over(device: Device, nodes: int, memory: str) -> None:
+    needs_the_order(device, f"adaptive[{memory}]")
     one = thinner(lists(8, 30, side=1), 2)
     # All pixels have the same list, so a column is one curve.
     dark = FragmentLists(
@@ -307,7 +336,9 @@ def test_no_layer_of_a_long_list_is_lost(device: Device, nodes: int, removal: st
     # A software renderer ends loops after a number of iterations; those over nodes must not count.
     long = black(thinner(hair(1, 2000), 100))
     found = render(device, long, f"adaptive[nodes={nodes},removal={removal},node=precise]")
-    np.testing.assert_allclose(found, composite(long, BACKGROUND), rtol=0, atol=1e-6)
+    truth = composite(long, BACKGROUND)
+    assert long.coverage.min() > 2 * of_product(len(long.z)), "the loss of a layer would not show"
+    np.testing.assert_allclose(found, truth, rtol=of_product(len(long.z)), atol=0)
 
 
 @pytest.mark.parametrize(

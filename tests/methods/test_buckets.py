@@ -19,9 +19,9 @@ from tests.helpers import (
     WHITE,
     Layer,
     assert_order_independent,
-    bits_per_pixel,
     method,
     opened,
+    planned_bits,
     random_lists,
     render,
     scene_of,
@@ -101,16 +101,22 @@ def test_layers_behind_a_nearly_opaque_one_do_not_attenuate(device: Device) -> N
 @pytest.mark.parametrize("rule", ["", ",admission=0.05"])
 @pytest.mark.parametrize("k", [1, 4])
 def test_the_transmittance_of_an_exact_tail_is_exact(device: Device, k: int, rule: str) -> None:
-    lists = faded(random_lists(40), 0.2)
+    lists = random_lists(40)
+    strong = np.arange(40)[:, None, None] < 3
+    coverage = np.broadcast_to(np.where(strong, 0.5, 0.01), lists.z.shape)
+    lists = replace(lists, coverage=coverage.astype(np.float32))
     variant = f"hybrid[k={k},node=16f,transmittance=exact{rule}]"
     assert "total_transmittance_exact" in method(variant).promised
     with opened(device, scene_of(lists, WHITE), variant) as frame:
         frame.render(transmittance=True)
         found = frame.image()
-    # Opacities are rounded when they are stored; the product itself is in single precision.
-    stored = 1 - model.stored_layers(lists, "16f")[..., 3:]
-    np.testing.assert_allclose(found / stored.prod(axis=0), 1, rtol=0, atol=1e-3)
-    np.testing.assert_allclose(found / transmittances(lists).prod(axis=0), 1, rtol=0, atol=4e-3)
+    # Opacities are rounded when they are stored; the product itself is in single precision. But
+    # blending rounds the opacity of all layers, and the color, to half floats.
+    stored = (1 - model.stored_layers(lists, "16f")[..., 3:]).prod(axis=0)
+    allowed = 2.0**-11 + 2.0**-13
+    np.testing.assert_allclose(found, np.broadcast_to(stored, found.shape), rtol=0, atol=allowed)
+    exact = transmittances(lists).prod(axis=0)
+    np.testing.assert_allclose(found, exact, rtol=0, atol=allowed + 2.0**-13)
     black = replace(lists, radiance=np.zeros_like(lists.radiance))
     mean = render(device, scene_of(black, WHITE), f"hybrid[k={k},node=16f]")
     assert (mean > 1.02 * found).mean() > 0.5
@@ -136,10 +142,9 @@ def test_a_layer_that_is_not_admitted_lies_behind_the_core(device: Device) -> No
     assert all_admitted == pytest.approx([0.48, 0, 0.04], abs=1e-3)
 
 
-def test_an_exact_tail_has_a_wider_transmittance(device: Device) -> None:
-    scene = scene_of(random_lists(1))
+def test_an_exact_tail_has_a_wider_transmittance() -> None:
     sizes = [
-        bits_per_pixel(device, scene, f"hybrid[k=4{rule}]", mechanism="framebuffer fetch")
+        planned_bits(f"hybrid[k=4{rule}]", "framebuffer fetch")
         for rule in ("", ",transmittance=exact", ",transmittance=exact,admission=0.05")
     ]
     assert sizes == [64 * 4 + 80, 64 * 4 + 96, 64 * 4 + 96]

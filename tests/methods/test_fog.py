@@ -62,6 +62,17 @@ def sums(slices: model.Slices) -> tuple[Floats, Floats]:
     return (weight[..., None] * light).sum(axis=0), (1 - slices.coverage).prod(axis=0)
 
 
+def of_filters(device: Device) -> float:
+    """Return the relative error of densities of `RAMP` between cells.
+
+    GPUs round the weights of linear filters to 8 bits. Light is weighted by coverage twice.
+    """
+    if device.software:
+        return 0.0
+    steps = sum(float(abs(np.diff(RAMP, axis=axis)).max()) for axis in range(3))
+    return 2 * steps * 2.0**-9 / float(RAMP.min())
+
+
 def passed(scene: Scene) -> Floats:
     """Return the transmittance of the fog of `scene`, in closed form for a constant density."""
     assert scene.medium is not None
@@ -88,8 +99,20 @@ def test_the_march_follows_the_model(
     accum, beta = targets(device, scene)
     expected = model.march(CAMERA, medium, SIZE, STEPS, 3.0, beams, AMBIENT)
     total, left = sums(expected)
-    np.testing.assert_allclose(accum, total, rtol=2e-5, atol=bound)
-    np.testing.assert_allclose(beta[..., :3], np.repeat(left[..., None], 3, -1), atol=2e-6)
+    rounded = of_filters(device)
+    np.testing.assert_allclose(accum, total, rtol=2e-5 + rounded, atol=bound)
+    hidden = float(1 - left.min())
+    np.testing.assert_allclose(
+        beta[..., :3], np.repeat(left[..., None], 3, -1), atol=2e-6 + rounded * hidden
+    )
+
+
+def test_thin_fog_keeps_its_digits(device: Device) -> None:
+    """The slices hide less than the last digit of the light that passes them."""
+    medium = replace(FOG, extinction=FOG.extinction * 1e-6)
+    accum, _ = targets(device, foggy(medium, (EnvironmentLight(AMBIENT),)))
+    expected, _ = sums(model.march(CAMERA, medium, SIZE, STEPS, 3.0, (), AMBIENT))
+    np.testing.assert_allclose(accum, expected, rtol=2e-5)
 
 
 def test_fog_equals_a_plane_for_each_step(device: Device) -> None:
@@ -111,7 +134,7 @@ def test_varying_fog_dims_beams_in_steps(device: Device, light_steps: int) -> No
         model.march(CAMERA, medium, SIZE, STEPS, 3.0, (SUN,), light_steps=light_steps)
     )
     other, _ = sums(model.march(CAMERA, medium, SIZE, STEPS, 3.0, (SUN,)))
-    np.testing.assert_allclose(accum, expected, rtol=2e-5, atol=1e-7)
+    np.testing.assert_allclose(accum, expected, rtol=2e-5 + of_filters(device), atol=1e-7)
     assert abs(expected / other - 1).max() > 5e-4
 
 

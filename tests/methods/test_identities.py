@@ -115,11 +115,14 @@ def test_promised_identities_hold_and_others_break(device: Device, check: Check)
     results = run_checks(device, methods, [replace(check, repeat=False)])
     assert len(results) == len(methods)
     assert described([item for item in results if item.failed]) == []
-    held = [item for item in results if item.status == HOLDS]
+    # Which samples a coverage masks is a driver's choice; the entry is llvmpipe's.
+    chosen = () if device.software else ("alpha_to_coverage",)
+    held = [item for item in results if item.status == HOLDS and item.name not in chosen]
     # Add these to the promises of the method or to NOT_PROMISED.
     assert described([i for i in held if not i.promised and not tolerated(i)]) == []
     assert described([i for i in results if i.promised and tolerated(i)]) == []
     listed = {label for label, names in NOT_PROMISED.items() if check.name in names}
+    listed -= set(chosen)
     assert listed <= {label for item in held for label in (item.method, item.name)}
     if check.name == "order_independent":
         errors = {item.method: item.error for item in results if item.method in BIT_FOR_BIT}

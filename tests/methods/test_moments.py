@@ -104,6 +104,19 @@ def test_stored_moments_fill_the_unit_interval(basis: str, count: int) -> None:
     np.testing.assert_allclose(stored.max(axis=0), 1, rtol=0, atol=2e-8)
 
 
+def sixteen_bits(
+    device: Device, drawn: FragmentLists, basis: str, count: int, mechanism: str | None = None
+) -> Floats:
+    """Return the stored moments of each pixel, shape (h, w, count), in [0, 1]."""
+    name = f"moments[basis={basis},count={count},storage=unorm16]"
+    scene = scene_of(drawn, BACKGROUND, NEAR)
+    with opened(device, scene, name, mechanism=mechanism) as frame:
+        frame.render()
+        words = np.concatenate([frame.texels(f"words{i}") for i in range(count // 2)], axis=-1)
+    stored = np.stack([words & 0xFFFF, words >> 16], axis=-1)
+    return np.asarray(stored.reshape(*words.shape[:2], count) / 65535)
+
+
 @pytest.mark.parametrize("count", COUNTS)
 @pytest.mark.parametrize("basis", BASES)
 def test_sixteen_bits_hold_the_mean_moments(device: Device, basis: str, count: int) -> None:
@@ -111,21 +124,20 @@ def test_sixteen_bits_hold_the_mean_moments(device: Device, basis: str, count: i
     absorbance = -np.log1p(-drawn.coverage.astype(np.float64))[..., None]
     each = model.quantized(places(drawn.z, "log"), basis, count)
     mean = (each * absorbance).sum(axis=0) / absorbance.sum(axis=0)
-    name = f"moments[basis={basis},count={count},storage=unorm16]"
-    with opened(device, scene_of(drawn, BACKGROUND, NEAR), name) as frame:
-        frame.render()
-        words = np.concatenate([frame.texels(f"words{i}") for i in range(count // 2)], axis=-1)
-    stored = np.stack([words & 0xFFFF, words >> 16], axis=-1).reshape(mean.shape) / 65535
+    stored = sixteen_bits(device, drawn, basis, count)
     # Every fragment rounds once.
     np.testing.assert_allclose(stored, mean, rtol=0, atol=5 / 65535)
 
 
 @pytest.mark.parametrize("basis", BASES)
 def test_a_spin_lock_gives_the_same_moments(device: Device, basis: str) -> None:
-    name, drawn = f"moments[basis={basis},storage=unorm16]", scattered(8, side=16)
-    locked = render(device, drawn, name, mechanism=SPIN_LOCK)
-    # GPUs take the fragments of a pixel in another order.
-    np.testing.assert_allclose(locked, render(device, drawn, name), rtol=0, atol=2e-3)
+    layers, count = 8, 6
+    drawn = scattered(layers, side=16)
+    best = sixteen_bits(device, drawn, basis, count)
+    locked = sixteen_bits(device, drawn, basis, count, SPIN_LOCK)
+    # GPUs take the fragments of a pixel in another order, and each rounds once, in both.
+    allowed = 0.0 if device.software else layers / 65535
+    np.testing.assert_allclose(locked, best, rtol=0, atol=allowed)
 
 
 ALLOWED = {("power", 4): 1e-4, ("power", 6): 1e-2, ("power", 8): 1e-2}

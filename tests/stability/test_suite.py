@@ -101,6 +101,39 @@ def test_an_image_that_changes_between_runs_fails(device: Device, tmp_path: Path
     assert summary.faults([found]) == ["swept layer: the image changes between runs"]
 
 
+@pytest.mark.parametrize(
+    ("buffers", "promises", "repeatable"),
+    [
+        ("Items.PIXELS", "", False),
+        ("Items.FRAGMENTS", "", True),
+        ("Items.FRAGMENTS", "order_independent", False),
+    ],
+)
+def test_on_gpus_lists_may_change_what_depends_on_the_order(
+    device: Device,
+    monkeypatch: pytest.MonkeyPatch,
+    tmp_path: Path,
+    buffers: str,
+    promises: str,
+    repeatable: bool,
+) -> None:
+    monkeypatch.setattr(device, "software", False)
+    write_method(
+        tmp_path / "counting",
+        '(Gather("gather.glsl", writes={"color": REPLACE}, buffers=("seen", "kept")),)',
+        buffers=f"""{{
+            "seen": Buffer({{"count": "uint"}}, Items.PIXELS),
+            "kept": Buffer({{"z": "float"}}, {buffers}),
+        }}""",
+        members=f"{COVERAGE}\npromises = promise('{promises}')",
+        gather="""void gather(Fragment fragment) {
+            color = vec4(float(add_seen_count(pixel_index(), 1u) % 7u) / 8.0);
+        }""",
+    )
+    (found,) = examine(device, foreign_method(tmp_path / "counting"), "swept layer")
+    assert found.repeatable == repeatable
+
+
 def test_a_check_that_exceeds_a_capability_does_not_apply(device: Device) -> None:
     layers = [Layer(z, 0.5) for z in np.linspace(1, 2, 2500)]
     shot = Shot(scene_of(columns([layers]), WHITE))

@@ -37,6 +37,7 @@ that rasterize pixel centers in a multisampled frame."""
 LIGHT_VIEW = "LIGHT_VIEW"
 """Macro of passes that a light sees, not the camera."""
 _SAMPLE_ALPHA_TO_COVERAGE = 0x809E
+_UNITS = "GL_MAX_TEXTURE_IMAGE_UNITS"
 
 
 @dataclass(frozen=True)
@@ -224,6 +225,8 @@ def compile_pass(
     samplers = _samplers(blueprint, geometry, step, textures)
     program = _program(device, vertex, fragment, f"{blueprint.owner}: {step.shader}", samplers)
     used = {name: item for name, item in samplers.items() if name in program}
+    # NVIDIA links a program that has more, although OpenGL defines no units for them.
+    device.within(f"{blueprint.owner}: {step.shader} (textures)", len(used), _UNITS)
     for unit, name in enumerate(used):
         # Frames share a program, but its samplers always come in this order.
         program[name] = unit
@@ -321,7 +324,7 @@ def _sources(blueprint: Blueprint, geometry: Geometry, step: Pass) -> tuple[Sour
         fragment.add_engine_file("lighting.glsl")
         fragment.add_text("prelude (shadows)", shading.shadows)
     declarations = (
-        prelude.outputs(step, targets, mechanism),
+        prelude.outputs(step, targets, mechanism, samples),
         prelude.reads(step, targets, blueprint.samples),
         prelude.indexed(step, targets),
         accessors.accessors(step, blueprint.buffers, blueprint.bindings, samples),
@@ -390,9 +393,8 @@ def _program(
         except moderngl.Error as error:
             # A driver that lacks units reports that in words of its own.
             textures = [name for name in samplers if f" {name};" in fragment.text]
-            device.within(f"{owner} (textures)", len(textures), "GL_MAX_TEXTURE_IMAGE_UNITS")
-            log = str(error)
-            source = vertex if "vertex_shader" in log else fragment
-            raise DeclarationError(source.explain(log)) from error
+            device.within(f"{owner} (textures)", len(textures), _UNITS)
+            source = vertex if "vertex_shader" in str(error) else fragment
+            raise DeclarationError(source.explain(str(error))) from error
         device.programs[key] = program
     return program

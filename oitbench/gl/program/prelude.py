@@ -12,6 +12,7 @@ from oitbench.effects import Effect, names
 from oitbench.gl.capabilities import ATOMICS, FETCH, INTERLOCK, SPIN_LOCK
 from oitbench.method.blending import Blend
 from oitbench.method.declaration import Method
+from oitbench.method.formats import LARGEST_HALF
 from oitbench.method.passes import BLUE_NOISE, OPAQUE_DEPTH, Gather, Pass
 from oitbench.method.steps import indexed_families, is_counter, is_programmable, is_single
 from oitbench.method.storage import Target
@@ -72,7 +73,9 @@ def interpolation(samples: int, per_sample: bool, own_depth: bool) -> str:
     return "#define PLACED\n#define INSIDE centroid\n#define OF_SEVERAL"
 
 
-def outputs(item: Pass, targets: Mapping[str, Target], mechanism: str = FETCH) -> str:
+def outputs(
+    item: Pass, targets: Mapping[str, Target], mechanism: str = FETCH, samples: int = 1
+) -> str:
     """Return the fragment shader's outputs, one per written target.
 
     Parameters
@@ -81,9 +84,11 @@ def outputs(item: Pass, targets: Mapping[str, Target], mechanism: str = FETCH) -
     targets : mapping of str to Target
     mechanism : str
         Way of programmable blending or of counting, for passes that need it.
+    samples : int
+        Samples per pixel of the written targets.
     """
     if is_programmable(item):
-        return _programmable(item, targets, mechanism)
+        return _programmable(item, targets, mechanism, samples)
     if is_counter(item):
         return _counter(next(iter(item.writes)), mechanism)
     lines = []
@@ -123,7 +128,8 @@ def indexed(item: Pass, targets: Mapping[str, Target]) -> str:
 def reads(item: Pass, targets: Mapping[str, Target], samples: int = 1) -> str:
     """Return `read_NAME()` for each target that the pass reads; of several samples, its own.
 
-    A pass into targets of one sample per pixel reads the opaque depth at pixel centers.
+    A pass into targets of one sample per pixel reads the opaque depth at pixel centers. A half
+    float that overflowed is read as the greatest one on all drivers.
     """
     lines = []
     for name in item.reads:
@@ -135,10 +141,12 @@ def reads(item: Pass, targets: Mapping[str, Target], samples: int = 1) -> str:
         sample = "gl_SampleID" if several else "0"
         # The mask repeats; pixels and shifts are not negative.
         place = f"pixel % textureSize({name}_texture, 0)" if name == BLUE_NOISE else "pixel"
+        texel = f"texelFetch({name}_texture, {place}, {sample}){swizzle}"
+        if entry.half:
+            texel = f"clamp({texel}, -{LARGEST_HALF}, {LARGEST_HALF})"
         lines += [
             f"uniform {sampler} {name}_texture;",
-            f"{entry.glsl} read_{name}(ivec2 pixel) {{"
-            f" return texelFetch({name}_texture, {place}, {sample}){swizzle}; }}",
+            f"{entry.glsl} read_{name}(ivec2 pixel) {{ return {texel}; }}",
             f"{entry.glsl} read_{name}() {{ return read_{name}(ivec2(gl_FragCoord.xy)); }}",
         ]
     return "\n".join(lines)
@@ -172,13 +180,14 @@ def _counter(name: str, mechanism: str) -> str:
     )
 
 
-def _programmable(item: Pass, targets: Mapping[str, Target], mechanism: str) -> str:
+def _programmable(item: Pass, targets: Mapping[str, Target], mechanism: str, samples: int) -> str:
     kinds = {name: targets[name].texel for name in item.writes}
     if mechanism == FETCH:
         return "\n".join(
             f"layout(location = {slot}) inout {entry.glsl} {name};"
             for slot, (name, entry) in enumerate(kinds.items())
         )
+    image = "image2DMS" if samples > 1 else "image2D"
     lines, loads, stores = [], [], []
     for slot, (name, entry) in enumerate(kinds.items()):
         vector = "uvec4" if entry.integer else "vec4"
@@ -188,18 +197,20 @@ def _programmable(item: Pass, targets: Mapping[str, Target], mechanism: str) -> 
         )
         lines += [
             f"layout({entry.name}, binding = {slot}) coherent uniform"
-            f" {'u' if entry.integer else ''}image2D {name}_image;",
+            f" {'u' if entry.integer else ''}{image} {name}_image;",
             f"{entry.glsl} {name};",
         ]
-        loads.append(f"{name} = imageLoad({name}_image, pixel){swizzle};")
-        stores.append(f"imageStore({name}_image, pixel, {filled});")
+        loads.append(f"{name} = imageLoad({name}_image, TEXEL){swizzle};")
+        stores.append(f"imageStore({name}_image, TEXEL, {filled});")
     lines += [
         "layout(early_fragment_tests) in;",
-        f"layout(r32ui, binding = {len(kinds)}) coherent uniform uimage2D lock_image;"
+        f"layout(r32ui, binding = {len(kinds)}) coherent uniform u{image} lock_image;"
         if mechanism == SPIN_LOCK
-        else "layout(pixel_interlock_ordered) in;",
-        f"#define LOAD_TARGETS(pixel) {' '.join(loads)}",
-        f"#define STORE_TARGETS(pixel) {' '.join(stores)}",
+        else f"layout({'sample' if samples > 1 else 'pixel'}_interlock_ordered) in;",
+        # To name the sample makes one invocation for each of them.
+        f"#define TEXEL ivec2(gl_FragCoord.xy){', gl_SampleID' if samples > 1 else ''}",
+        f"#define LOAD_TARGETS {' '.join(loads)}",
+        f"#define STORE_TARGETS {' '.join(stores)}",
     ]
     return "\n".join(lines)
 
@@ -211,18 +222,17 @@ def deliver(item: Gather, mechanism: str) -> str:
     """
     if mechanism == FETCH or not is_programmable(item):
         return "#define DELIVER(fragment) gather(fragment);"
-    pixel = "ivec2 pixel = ivec2(gl_FragCoord.xy);"
-    work = "LOAD_TARGETS(pixel) gather(fragment); STORE_TARGETS(pixel)"
+    work = "LOAD_TARGETS gather(fragment); STORE_TARGETS"
     if mechanism == INTERLOCK:
         return (
-            f"#define DELIVER(fragment) {pixel} beginInvocationInterlockARB();"
+            "#define DELIVER(fragment) beginInvocationInterlockARB();"
             f" {work} endInvocationInterlockARB();"
         )
     return (
-        f"#define DELIVER(fragment) {pixel}"
+        "#define DELIVER(fragment)"
         " bool waiting = !gl_HelperInvocation; while (waiting) {"
-        " if (imageAtomicCompSwap(lock_image, pixel, 0u, 1u) == 0u) {"
-        f" {work} memoryBarrier(); imageAtomicExchange(lock_image, pixel, 0u);"
+        " if (imageAtomicCompSwap(lock_image, TEXEL, 0u, 1u) == 0u) {"
+        f" {work} memoryBarrier(); imageAtomicExchange(lock_image, TEXEL, 0u);"
         " waiting = false; } }"
     )
 

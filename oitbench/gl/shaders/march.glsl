@@ -1,4 +1,5 @@
 // A ray marched through the medium that fills a box (McGuire & Mara 2017, TVCG, section 7.2).
+#include "hidden.glsl"
 #include "medium.glsl"
 #include "random.glsl"
 
@@ -65,7 +66,7 @@ Slice slice_of(Path path, int k, int count, float part, int steps) {
     float begins = path.enters + float(k) * thickness;
     vec3 position = path.origin + (begins + part * thickness) * path.direction;
     float meters = length(path.direction) * thickness;
-    float coverage = 1.0 - exp(-medium_low.w * density_at(position) * meters);
+    float coverage = hidden_by(medium_low.w * density_at(position) * meters);
     vec3 onward = normalize(path.direction);
     vec3 radiance = coverage > 0.0 ? scattered(position, onward, steps) : vec3(0.0);
     return Slice(radiance, coverage, begins + 0.5 * thickness);

@@ -1,16 +1,11 @@
 // Absorbance and visibility, and a composite whose weights sum to one.
+#include "oitbench/hidden.glsl"
 
 // Minus the logarithm of a transmittance; an opaque layer lets one part in 100,000 pass.
 float absorbance(float factor) { return -log(max(factor, 1e-5)); }
 
 // Visibility behind an absorbance. It never reaches zero, so that sums of weights do not either.
 float visible_behind(float absorbed) { return exp(-clamp(absorbed, 0.0, 60.0)); }
-
-// The part of the light that an absorbance hides, precise for small ones.
-float hidden_by(float absorbance) {
-    float a = max(absorbance, 0.0);
-    return a < 1e-2 ? a * (1.0 - a * (0.5 - a / 6.0)) : 1.0 - exp(-a);
-}
 
 // The weighted mean color fills the part of the pixel that all layers hide. `sum` holds alpha L and o,
 // both times visibility. Where next to nothing hides, light adds up.

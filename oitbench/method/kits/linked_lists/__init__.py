@@ -21,9 +21,12 @@ RECORD_STEPS = {"precise": 0.0, "compact": 1 / 255}
 LISTS = ("heads", "nodes")
 """Names of the buffers."""
 CAPTURE = Gather("linked_lists/capture.glsl", buffers=LISTS)
-"""Puts every fragment at the head of its pixel's list, so the last one submitted comes first."""
+"""Puts every fragment at the head of its pixel's list, so the last one comes first.
+
+On GPUs, fragments of a pixel arrive in any order; software renderers keep that of the draws.
+"""
 REVERSE = Resolve("linked_lists/reverse.glsl", buffers=LISTS)
-"""Reverses every list, so the first fragment submitted comes first."""
+"""Reverses every list, so the first fragment comes first."""
 
 
 @dataclass(frozen=True)
@@ -44,7 +47,7 @@ class Lists:
 
 
 def linked(node: str) -> Lists:
-    """Return linked lists in the order of submission, the last fragment first."""
+    """Return linked lists in the order of arrival, the last fragment first."""
     return Lists(linked_lists(node), (CAPTURE,))
 
 

@@ -1,4 +1,4 @@
-// Turns a list round in its links, so that it begins with the fragment submitted first.
+// Turns a list round in its links, so that it begins with the fragment that came first.
 #include "linked_lists/record.glsl"
 
 void resolve() {
