@@ -111,7 +111,7 @@ def command(
     timeout: float | None,
     memory_gib: float | None,
     workers: int,
-    dask: str,
+    dask: str | None,
     seed: int,
     collections: tuple[Path, ...],
 ) -> None:
@@ -135,7 +135,7 @@ def command(
     chosen = known.choose(engines)
     matrix = plan_matrix(
         scenes, methods, preset, size, effects, ssaa, out, collections, seed, force,
-        timeout, workers, memory_gib, truths, shading, views or (MAIN,), metrics, dask,
+        timeout, workers, memory_gib, truths, shading, views or (MAIN,), metrics, dask or "",
     )  # fmt: skip
     matrix = replace(matrix, config=config.text(context, context.params))
     console = Console(stderr=True, highlight=False, soft_wrap=True)
