@@ -131,7 +131,6 @@ def workers(doing: str) -> Callable[[Command], Command]:
 dask = click.option(
     "--dask",
     metavar="ADDRESS",
-    default="",
     help="Scheduler of a Dask cluster whose workers are used instead of processes of this machine,"
     " as in tcp://10.0.0.1:8786. Needs: pip install 'oitbench[cluster]'.",
 )

@@ -125,7 +125,7 @@ def command(
     timeout: float | None,
     memory_gib: float | None,
     workers: int,
-    dask: str,
+    dask: str | None,
     collections: tuple[Path, ...],
     output: Path | None,
 ) -> None:
@@ -148,7 +148,7 @@ def command(
     chosen = None if effects is None else choose_effects(effects, ~Effect.NONE)
     if checks and dask:
         raise UsageError("--check uses files of this machine; leave out --dask")
-    place = Place(workers, dask, memory_gib)
+    place = Place(workers, dask or "", memory_gib)
     console = Console(highlight=False, soft_wrap=True)
     with Catalog(collections) as catalog:
         jobs = list(_jobs(catalog, scenes, truths, chosen, views, size, ssaa))

@@ -30,9 +30,10 @@ from oitbench.workers.process import OnStep, WorkerError, ignore_step
 _CONNECT_SECONDS = 15.0
 _CLOSE_SECONDS = 3.0
 _POLL_SECONDS = 1.0
-_GATHER_SECONDS = 30.0
 _LOOK_SECONDS = 2.0
 """How often a client asks whether the worker that it waits for still exists."""
+_GATHER_SECONDS = 30.0
+"""Time in which a result must come to the client; it is asked for again if its worker exists."""
 
 
 class DaskWorker:

@@ -141,8 +141,8 @@ def run_matrix(
     far = far_end(matrix.plugins, matrix.out)
     with (
         Scorer(matrix.metrics, matrix.memory_limit, matrix.timeout) as scorer,
-        Store.open(matrix.out) as store,
         matrix.place.open(far, on_line) as executor,
+        Store.open(matrix.out) as store,
     ):
         admission = _Admission(store)
         executor.admit(admission.check)

@@ -114,6 +114,10 @@ def test_matched_references_are_rendered_without_effects_and_checked(
         (("pain",), "'pain'; did you mean pane"),
         (("pane", "--size", "12"), "'12'"),
         (("pane", "--check", *FULL, "--size", "3x3"), "pane"),
+        (
+            ("pane", "--check", "--dask", "tcp://a:1"),
+            "--check uses files of this machine; leave out",
+        ),
         (("pane", "--adopt"), "--adopt needs --check"),
         (("pane", "--effects=-refraction"), "--effects needs --truth matched"),
         (("pane", "--truth", "matched", "--effects=-fog"), "unknown effect 'fog'"),

@@ -33,7 +33,8 @@ from tests.cli.helpers import NO_EGL, SMALL, Call, spawn
         (("--memory", "inf"), "memory is inf GiB"),
         (("--memory", "nan"), "memory is nan GiB"),
         (("--memory", "0.01"), "memory is 0.01 GiB; give at least 0.25"),
-        (("--workers", "0"), "0"),
+        (("--workers", "-1"), "-1"),
+        (("--dask", "nonsense"), "no Dask scheduler answers at nonsense; start one by: dask"),
         (("--collection", "no/such/folder"), "is no collection"),
     ],
 )
