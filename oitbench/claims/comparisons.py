@@ -32,8 +32,7 @@ class Compared(Trial, frozen=True, kw_only=True):
     bounds: Bounds
 
     def __post_init__(self) -> None:
-        for name in self.quantity_names:
-            quantities.parse(name)
+        quantities.check(self.quantity_names)
 
     @property
     def subjects(self) -> list[Subject]:

@@ -90,7 +90,7 @@ def read(folder: Path) -> list[Source]:
             content = msgspec.toml.decode(path.read_bytes(), type=_File)
         except OSError as error:
             raise UsageError(f"{path} cannot be read: {error.strerror}") from error
-        except (msgspec.DecodeError, UnicodeDecodeError, UsageError) as error:
+        except (msgspec.DecodeError, UnicodeDecodeError) as error:
             raise DeclarationError(f"{path}: {error}") from error
         for claim in (claim for source in content.source for claim in source.claim):
             if claim.id in owners:

@@ -5,11 +5,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Generic, TypeVar
 
-from oitbench.errors import unknown
+from oitbench.errors import UsageError, unknown
 from oitbench.image import metrics
 from oitbench.image.ties import Errors
 from oitbench.motion.record import Track
@@ -218,6 +218,15 @@ def parse(text: str) -> tuple[str, str]:
     if name not in CELLS and name not in FILMS:
         raise unknown("quantity", name, [*CELLS, *FILMS])
     return name, argument
+
+
+def check(texts: Iterable[str]) -> None:
+    """Raise `ValueError`, as msgspec expects it, if one of the quantities does not exist."""
+    try:
+        for text in texts:
+            parse(text)
+    except UsageError as error:
+        raise ValueError(str(error)) from error
 
 
 def quantity(text: str) -> Quantity[Record] | Quantity[Track]:

@@ -134,8 +134,7 @@ class Disagreement(Trial, frozen=True, kw_only=True, tag="disagreement"):
     bounds: Bounds
 
     def __post_init__(self) -> None:
-        for name in self.quantity_names:
-            quantities.parse(name)
+        quantities.check(self.quantity_names)
 
     @property
     def subjects(self) -> list[Subject]:

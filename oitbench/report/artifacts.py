@@ -185,7 +185,7 @@ def write_csv(path: Path, heading: Sequence[str], rows: Iterable[Sequence[object
     """
     with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
-        writer.writerow(heading)
+        writer.writerow(map(shielded, heading))
         writer.writerows([shielded(value) for value in row] for row in rows)
 
 
