@@ -2,8 +2,8 @@
 
 A claim is reproduced if every comparison that tests it holds here, refuted if none does, and
 conditional if some do; its condition says which. "No evidence in these results" means that the
-command would produce some. Verdicts follow from stored numbers; `claims.csv` has the tests and
-commands, and `claims-cases.csv` every comparison.
+command would produce some. Verdicts follow from stored numbers alone; the files have the tests, the
+commands and every comparison.
 """
 
 from __future__ import annotations
@@ -25,29 +25,30 @@ order = 5
 DATA = Path(__file__).with_suffix("")
 """The data files; each has sources with their claims."""
 _SOURCE = Column("source", "Source", kind="text")
+_CLAIM = Column("claim", "Name", kind="text")
 _COLUMNS = (
-    Column("claim", "Claim", kind="text"),
+    Column("said", "Claim", kind="prose", help="in other words than the source's"),
     Column("section", "Section", kind="text", help="of the source"),
-    Column("said", "Said", kind="text", help="in other words than the source's"),
     Column("verdict", "Verdict", kind="status"),
-    Column("reason", "Condition or reason", kind="text"),
-    Column("numbers", "Numbers", kind="text", help="of some of the comparisons"),
+    Column("reason", "Condition or reason", kind="prose"),
+    Column("numbers", "Numbers", kind="prose", help="of some of the comparisons"),
     Column("held", "Held", kind="text", help="comparisons that hold, of those with results"),
-    Column("figure", "Figure", kind="text", help="the section of this page that shows them"),
-    Column("remark", "Remark", kind="text"),
+    Column("figure", "Figure", kind="section", help="the section of this page that shows them"),
+    _CLAIM,
 )
 _FURTHER = (
+    Column("remark", "Remark", kind="prose"),
     Column("machine", "Machine", kind="text"),
-    Column("test", "Test", kind="text"),
-    Column("lacking", "Lacking", kind="text"),
-    Column("command", "Command", kind="text"),
+    Column("test", "Test", kind="prose"),
+    Column("lacking", "Lacking", kind="prose"),
+    Column("command", "Command", kind="prose"),
 )
 _CASES = (
-    Column("claim", "Claim", kind="text"),
+    _CLAIM,
     Column("place", "Place", kind="text"),
     Column("subject", "Subject", kind="text"),
     Column("value", "Value"),
-    Column("numbers", "Numbers", kind="text"),
+    Column("numbers", "Numbers", kind="prose"),
     Column("holds", "Holds", kind="text"),
 )
 
@@ -80,21 +81,21 @@ def _summary(verdicts: Sequence[Verdict]) -> str:
 def _row(verdict: Verdict) -> Row:
     claim = verdict.claim
     return (
-        claim.id,
-        claim.section,
         claim.said,
+        claim.section,
         verdict.word,
         verdict.reason,
         verdict.numbers,
         verdict.counts,
         claim.figure,
-        claim.remark,
+        claim.id,
     )
 
 
 def _further(found: Source, verdict: Verdict) -> Row:
     sentences = (trial.sentence for trial in verdict.claim.trials)
     return (
+        verdict.claim.remark,
         found.machine,
         "; and ".join(filter(None, sentences)),
         "; ".join(verdict.lacking),
@@ -119,7 +120,7 @@ def _repeat(rows: Sequence[tuple[Source, Verdict]], csv: Path) -> Artifact:
         "How each claim is tested, what the results lack for it, and the command that produces or "
         "repeats the evidence; `--force` renders finished cells again."
     )
-    heading = (_COLUMNS[0], *_FURTHER)
+    heading = (_CLAIM, *_FURTHER)
     return Table("Tests and commands", caption, csv, heading, shown, collapsed=True)
 
 

@@ -62,7 +62,8 @@ class Value(Compared, frozen=True, kw_only=True, tag="value"):
             tried.lacking.extend(lacking(found, subject.label, self.scenes))
             for place, measured in found.items():
                 value = measured.value
-                text = number(value) + (f" {SIGN}" if measured.disturbed else "")
+                text = f"{number(value)} {quantities.quantity(self.quantity).words}"
+                text += f" {SIGN}" if measured.disturbed else ""
                 holds = self.bounds.admit(value)
                 tried.cases.append(Case(evidence.title(place), subject.label, value, text, holds))
         return tried
@@ -125,11 +126,12 @@ class Ratio(_Pairs, frozen=True, kw_only=True, tag="ratio"):
         bounds.
         """
         tried = Tried()
-        least = quantities.quantity(self.quantity).least
+        quantity = quantities.quantity(self.quantity)
         for place, label, pair in self.pairs(evidence, tried):
-            value, ends, note = _quotient(pair, least)
+            value, ends, note = _quotient(pair, quantity.least)
             title = evidence.title(place)
-            text = f"×{number(value)}{note} ({number(pair[0].value)} / {number(pair[1].value)})"
+            both = f"{number(pair[0].value)} / {number(pair[1].value)}"
+            text = f"{quantity.words} ×{number(value)}{note} ({both})"
             if any(measured.disturbed for measured in pair):
                 text += f" {SIGN}"
             holds = self.bounds.admit(value)
@@ -168,7 +170,8 @@ class Difference(_Pairs, frozen=True, kw_only=True, tag="difference"):
         tried = Tried()
         for place, label, (one, other) in self.pairs(evidence, tried):
             value = one.value - other.value
-            text = f"{value:+.2g} ({number(one.value)} − {number(other.value)})"
+            what = quantities.quantity(self.quantity).words
+            text = f"{what} {value:+.2g} ({number(one.value)} − {number(other.value)})"
             holds = self.bounds.admit(value)
             tried.cases.append(Case(evidence.title(place), label, value, text, holds))
         return tried

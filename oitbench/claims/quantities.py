@@ -172,9 +172,8 @@ CELLS: Mapping[str, Quantity[Record]] = {
     "mse": Quantity("MSE of radiance", _squared, EXACT, UNSEEN**2),
     "opaque_flip": Quantity("FLIP of opaque pixels", _opaque_flip, MATCHED, UNSEEN),
     "transmittance_error": Quantity("RMSE of transmittance", _exact(metrics.TRANSMITTANCE)),
-    "order_spread": Quantity("mean spread over orders", _exact(metrics.ORDER_SPREAD_MEAN)),
-    "largest_order_spread": Quantity(
-        "largest spread over orders", _exact(metrics.ORDER_SPREAD_MAX)
+    "order_spread": Quantity(
+        "mean spread over orders", _exact(metrics.ORDER_SPREAD_MEAN), least=UNSEEN
     ),
     "ms": Quantity("method time, ms", _milliseconds),
     "frame_ms": Quantity("frame time, ms", _frame),
@@ -192,7 +191,6 @@ CELLS: Mapping[str, Quantity[Record]] = {
     "fragments": Quantity(
         "transparent fragments", _of_outcome(lambda outcome: outcome.statistics.fragments)
     ),
-    "draws": Quantity("draw calls", _of_outcome(lambda outcome: outcome.statistics.draws)),
 }
 """Quantities of cells by name."""
 FILMS: Mapping[str, Quantity[Track]] = {

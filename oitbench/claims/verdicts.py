@@ -60,11 +60,10 @@ class Verdict:
     @property
     def counts(self) -> str:
         """How many cases hold, and how many are lacking."""
-        if not self.cases and not self.lacking:
-            return ""
-        held = sum(case.holds for case in self.cases)
-        lost = f", {len(self.lacking)} lacking" if self.lacking else ""
-        return f"{held} of {len(self.cases)}{lost}"
+        held = f"{sum(case.holds for case in self.cases)} of {len(self.cases)}"
+        known = [held] if self.cases else []
+        lost = [f"{len(self.lacking)} lacking"] if self.lacking else []
+        return ", ".join(known + lost)
 
 
 def judge(claim: Claim, evidence: Evidence) -> Verdict:

@@ -43,7 +43,8 @@ class Column:
     title, unit : str
         Heading on the page.
     kind : str
-        `number`, `rank`, `text`, `method` (with its color) or `status`.
+        `number`, `rank`, `text` in one line, `prose` in several, `method` (with its color),
+        `status`, or `section` (a link to it).
     digits : int
         Significant digits on the page; the CSV file has all.
     decimals : int, optional

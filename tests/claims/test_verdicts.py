@@ -75,7 +75,7 @@ def test_numbers_of_a_conditional_claim_show_both_kinds() -> None:
     cells = [c for k, scene in enumerate(scenes) for c in pair(scene, 0.1 if k < 7 else 0.3)]
     found = evidence(*cells)  # type: ignore[arg-type]
     verdict = judge(claim(BETTER | {"scenes": scenes}), found)
-    assert verdict.numbers.startswith("s0, calm over wild: ×0.500 (0.100 / 0.200); s1")
+    assert verdict.numbers.startswith("s0, calm over wild: FLIP ×0.500 (0.100 / 0.200); s1")
     assert "s7" in verdict.numbers
     assert verdict.numbers.endswith("and 5 more")
     assert verdict.counts == "7 of 9"
