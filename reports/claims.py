@@ -20,7 +20,7 @@ from oitbench.report import Artifact, Column, Note, ReportContext, write_table
 from oitbench.report.artifacts import Row, Table, write_csv
 
 title = "Claims"
-order = 5
+order = 21
 
 DATA = Path(__file__).with_suffix("")
 """The data files; each has sources with their claims."""

@@ -113,3 +113,11 @@ def test_what_no_trial_can_use_does_not_exist() -> None:
             names = {*found.methods, *(parse(scene).name for scene in found.scenes)}
             assert not names & set(trial.absent), f"{claim.id} can be tested now"
             assert len(claim.trials) == 1, claim.id
+
+
+def test_the_documented_claim_is_one(tmp_path: Path) -> None:
+    text = (own_folder() / "CONTRIBUTING.md").read_text(encoding="utf-8")
+    block = text.partition("```toml\n[[source]]")[2].partition("```")[0]
+    (tmp_path / "a.toml").write_text(f"[[source]]{block}", encoding="utf-8")
+    (source,) = ledger.read(tmp_path)
+    assert source.claim[0].trials[0].sentence.startswith("ratio of FLIP against exact compositing")

@@ -11,6 +11,7 @@ import pytest
 
 from oitbench.claims.evidence import Evidence
 from oitbench.image import files, stored
+from oitbench.motion.record import FIXED, PER_FRAME
 from oitbench.results.records import Results
 from oitbench.results.schema import Record, ReferenceFacts, Scores, TrafficTerm
 from oitbench.stability.result import BREAKS, DOES_NOT_APPLY, HOLDS
@@ -246,3 +247,22 @@ def test_evidence_is_read_from_a_folder(tmp_path: Path) -> None:
     assert len(found.films) == 1
     (fault,) = found.faults
     assert "stability.json" in fault
+
+
+def test_jumps_that_exact_compositing_shares_do_not_pop(tmp_path: Path) -> None:
+    film = films.write(tmp_path)
+    tracks = [films.track(tmp_path, "calm", popping=0.009)]
+    film = msgspec.structs.replace(film, tracks=tracks)
+    steady = trial(kind="value", quantity="popping", of=["calm"], bounds={"most": 0})
+    assert held(steady.tried(evidence(films=[film]))) == [True]
+
+
+def test_films_with_the_same_random_numbers_in_all_frames_count(tmp_path: Path) -> None:
+    film = films.write(tmp_path)
+    tracks = [
+        films.track(tmp_path, "noisy", FIXED, flicker=0.01),
+        films.track(tmp_path, "noisy", PER_FRAME, flicker=0.5),
+    ]
+    film = msgspec.structs.replace(film, tracks=tracks)
+    steady = trial(kind="value", quantity="flicker", of=["noisy"], bounds={"equal": 0.01})
+    assert held(steady.tried(evidence(films=[film]))) == [True]

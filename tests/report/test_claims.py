@@ -86,6 +86,7 @@ def test_hostile_texts_are_no_markup_and_no_formulas(claims: ModuleType, tmp_pat
         assert tag not in page
     assert "&lt;script&gt;" in page
     assert "&lt;img" in page
+    assert '<a href="#pareto">pareto</a>' in page
     found = rows(tmp_path / "claims.csv")
     assert found["calm-first"]["section"] == "'=1+1"
     assert found["calm-first"]["numbers"].startswith("'=<img")
