@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Sequence
+from typing import ClassVar
 
 from oitbench.claims import quantities
 from oitbench.claims.evidence import Evidence, Place, Subject
@@ -62,10 +63,12 @@ class Value(Compared, frozen=True, kw_only=True, tag="value"):
             tried.lacking.extend(lacking(found, subject.label, self.scenes))
             for place, measured in found.items():
                 value = measured.value
-                text = f"{number(value)} {quantities.quantity(self.quantity).words}"
+                what = quantities.quantity(self.quantity).words
+                text = f"{number(value)} {what}"
                 text += f" {SIGN}" if measured.disturbed else ""
                 holds = self.bounds.admit(value)
-                tried.cases.append(Case(evidence.title(place), subject.label, value, text, holds))
+                title, label = evidence.title(place), subject.label
+                tried.cases.append(Case(title, label, value, text, holds, what))
         return tried
 
 
@@ -75,6 +78,7 @@ class _Pairs(Compared, frozen=True, kw_only=True):
     `to_quantity` is the quantity of the other method. Default: the same.
     """
 
+    relation: ClassVar[str] = "over"
     to: Subjects
     to_quantity: str = ""
 
@@ -93,7 +97,7 @@ class _Pairs(Compared, frozen=True, kw_only=True):
             for other in expand(self.to):
                 second = evidence.measured(self.quantity_names[1], other, self.scenes)
                 both = {place: (first[place], second[place]) for place in first if place in second}
-                label = f"{one.label} over {other.label}"
+                label = f"{one.label} {self.relation} {other.label}"
                 tried.lacking.extend(lacking(both, label, self.scenes))
                 for place, pair in both.items():
                     yield place, label, pair
@@ -138,7 +142,7 @@ class Ratio(_Pairs, frozen=True, kw_only=True, tag="ratio"):
             if any(self.bounds.admit(end) != holds for end in ends):
                 tried.lacking.append(f"{label} on {title} is undecided: {text}")
             else:
-                tried.cases.append(Case(title, label, value, text, holds))
+                tried.cases.append(Case(title, label, value, text, holds, quantity.words))
         return tried
 
 
@@ -160,6 +164,8 @@ def _quotient(pair: Pair, least: float) -> tuple[float, Sequence[float], str]:
 class Difference(_Pairs, frozen=True, kw_only=True, tag="difference"):
     """The first value less the second one."""
 
+    relation: ClassVar[str] = "less"
+
     @property
     def sentence(self) -> str:
         """How the claim is tested, for readers."""
@@ -172,8 +178,8 @@ class Difference(_Pairs, frozen=True, kw_only=True, tag="difference"):
             value = one.value - other.value
             what = quantities.quantity(self.quantity).words
             text = f"{what} {value:+.2g} ({number(one.value)} − {number(other.value)})"
-            holds = self.bounds.admit(value)
-            tried.cases.append(Case(evidence.title(place), label, value, text, holds))
+            holds, title = self.bounds.admit(value), evidence.title(place)
+            tried.cases.append(Case(title, label, value, text, holds, what))
         return tried
 
 

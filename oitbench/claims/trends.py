@@ -80,8 +80,9 @@ class Slope(Compared, frozen=True, kw_only=True, tag="slope"):
         y = [max(curve[place], least) for place in x]
         slope = float(np.polyfit(np.log(x), np.log(y), 1)[0]) if len(x) > 1 else math.nan
         points = ", ".join(f"{place:g}: {number(curve[place])}" for place in x)
-        text = f"slope {slope:+.2f} of {quantities.words(self.quantity)} ({points})"
-        return Case(title, label, slope, text, self.bounds.admit(slope))
+        what = quantities.words(self.quantity)
+        text = f"slope {slope:+.2f} of {what} ({points})"
+        return Case(title, label, slope, text, self.bounds.admit(slope), what)
 
 
 class Storage(Trial, frozen=True, kw_only=True, tag="storage"):

@@ -35,6 +35,8 @@ class Case:
     text : str
         This number and those that it follows from, in words.
     holds : bool
+    quantity : str
+        What is compared, in words, if trials of one kind compare several.
     """
 
     place: str
@@ -42,6 +44,7 @@ class Case:
     value: float
     text: str
     holds: bool
+    quantity: str = ""
 
 
 @dataclass(frozen=True)

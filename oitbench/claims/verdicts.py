@@ -47,8 +47,9 @@ class Verdict:
 
     @property
     def numbers(self) -> str:
-        """The numbers of some cases in words: failing ones first if there are any."""
-        shown = sorted(self.cases, key=lambda case: case.holds)[:_SHOWN]
+        """The numbers of some cases in words, those first that decide the verdict."""
+        decisive = self.word == REPRODUCED
+        shown = sorted(self.cases, key=lambda case: case.holds != decisive)[:_SHOWN]
         # Half of them hold, if only some do.
         if self.word == CONDITIONAL:
             by_kind = [[c for c in self.cases if c.holds is kind] for kind in (True, False)]
@@ -101,8 +102,8 @@ def _decide(claim: Claim, cases: Sequence[Case]) -> tuple[str, str]:
 
 def _condition(cases: Sequence[Case]) -> str:
     """Return where a claim holds and where not, by scene if that decides it."""
-    # The first of three descriptions that separates what holds from what does not.
-    for describe in (_place, _subject, _both):
+    # The first description that separates what holds from what does not.
+    for describe in (_place, _subject, _quantity, _both, _all):
         held = list(dict.fromkeys(describe(case) for case in cases if case.holds))
         lost = list(dict.fromkeys(describe(case) for case in cases if not case.holds))
         if not set(held) & set(lost):
@@ -118,8 +119,16 @@ def _subject(case: Case) -> str:
     return case.subject
 
 
+def _quantity(case: Case) -> str:
+    return case.quantity
+
+
 def _both(case: Case) -> str:
     return f"{case.place}, {case.subject}"
+
+
+def _all(case: Case) -> str:
+    return f"{case.place}, {case.subject}, {case.quantity}"
 
 
 def _listed(texts: Sequence[str]) -> str:

@@ -37,11 +37,12 @@ def cell(
 ) -> Record:
     """Return a finished cell; keys of `replaced` are paths as of `changed`, with `__` for dots."""
     scores = {EXACT: Scores({metrics.FLIP_LDR: flip, metrics.RMSE: flip, metrics.RELMSE: flip})}
-    made = record(method, scene, time=timed(ms), gl=SOFTWARE.gl)
-    made = changed(made, "outcome.scores", scores)
-    for path, value in replaced.items():
+    made: Record = record(method, scene, time=timed(ms), gl=SOFTWARE.gl)
+    values = {"outcome.scores": scores, **replaced}
+    for path, value in values.items():
         made = changed(made, path.replace("__", "."), value)
-    return made
+    finished: Record = made
+    return finished
 
 
 def evidence(*cells: Record, **fields: Any) -> Evidence:
