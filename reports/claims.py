@@ -28,11 +28,11 @@ _SOURCE = Column("source", "Source", kind="text")
 _CLAIM = Column("claim", "Name", kind="text")
 _COLUMNS = (
     Column("said", "Claim", kind="prose", help="in other words than the source's"),
-    Column("section", "Section", kind="text", help="of the source"),
     Column("verdict", "Verdict", kind="status"),
     Column("reason", "Condition or reason", kind="prose"),
     Column("numbers", "Numbers", kind="prose", help="of some of the comparisons"),
     Column("held", "Held", kind="text", help="comparisons that hold, of those with results"),
+    Column("section", "Section", kind="text", help="of the source"),
     Column("figure", "Figure", kind="section", help="the section of this page that shows them"),
     _CLAIM,
 )
@@ -82,11 +82,11 @@ def _row(verdict: Verdict) -> Row:
     claim = verdict.claim
     return (
         claim.said,
-        claim.section,
         verdict.word,
         verdict.reason,
         verdict.numbers,
         verdict.counts,
+        claim.section,
         claim.figure,
         claim.id,
     )
