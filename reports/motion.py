@@ -9,7 +9,7 @@ from pathlib import Path
 
 from oitbench.errors import UsageError
 from oitbench.filenames import file_name
-from oitbench.motion.record import JSON
+from oitbench.motion import record
 from oitbench.report import Artifact, Note, ReportContext
 from oitbench.report.motion import Footage, write
 
@@ -20,7 +20,7 @@ order = 34
 def build(context: ReportContext) -> list[Artifact]:
     """Draw the strip, the plot and the table of each folder."""
     place = context.results.folder / "motion"
-    folders = sorted(path.parent for path in (*place.glob(JSON), *place.glob(f"*/{JSON}")))
+    folders = record.find(context.results.folder)
     if not folders:
         command = f"oitbench motion SCENE --method NAME --out {place}/SCENE"
         return [Note(f"Not run yet; '{command}' adds it.")]

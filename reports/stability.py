@@ -33,10 +33,9 @@ _COLUMNS = (
 def build(context: ReportContext) -> list[Artifact]:
     """Write a table of identities, one of hard cases, and one of every result."""
     folder = context.results.folder
-    places = (folder / "stability" / files.JSON, folder / files.JSON)
-    path = next((place for place in places if place.is_file()), None)
+    path = files.find(folder)
     if path is None:
-        return [Note(f"Not run yet; 'oitbench stability --out {places[0].parent}' adds it.")]
+        return [Note(f"Not run yet; 'oitbench stability --out {folder / 'stability'}' adds it.")]
     results = files.read(path)
     by_method = summary.by_method(results)
     return [

@@ -191,6 +191,12 @@ def _transition(found: MotionFile, track: Track, place: int) -> list[float | Non
     return [None if place < 0 else values[place] for values in series]
 
 
+def find(results: Path) -> list[Path]:
+    """Return the folders of films in the folder `motion` of a results folder."""
+    place = results / "motion"
+    return sorted(path.parent for path in (*place.glob(JSON), *place.glob(f"*/{JSON}")))
+
+
 def read(path: Path) -> MotionFile:
     """Read a `motion.json`.
 

@@ -43,7 +43,8 @@ class Column:
     title, unit : str
         Heading on the page.
     kind : str
-        `number`, `rank`, `text`, `method` (with its color) or `status`.
+        `number`, `rank`, `text` in one line, `prose` in several, `method` (with its color),
+        `status`, or `section` (a link to it).
     digits : int
         Significant digits on the page; the CSV file has all.
     decimals : int, optional
@@ -239,7 +240,7 @@ def write_csv(path: Path, heading: Sequence[str], rows: Iterable[Sequence[object
     """
     with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
-        writer.writerow(heading)
+        writer.writerow(map(shielded, heading))
         writer.writerows([shielded(value) for value in row] for row in rows)
 
 

@@ -49,6 +49,12 @@ def write(folder: Path, results: Sequence[CheckResult], gl: Renderer) -> None:
         writer.writerows(map(_flat, content["results"]))
 
 
+def find(results: Path) -> Path | None:
+    """Return the `stability.json` of a results folder or of its folder `stability`, or None."""
+    places = (results / "stability" / JSON, results / JSON)
+    return next((place for place in places if place.is_file()), None)
+
+
 def read(path: Path) -> list[CheckResult]:
     """Read the results in a `stability.json`.
 
