@@ -41,6 +41,7 @@ from oitbench.scene import (
 
 quick = False
 near = 4.2
+crops = {"caustics": (0.24, 0.48, 0.48, 0.26)}
 parameters = {
     "detail": DETAIL,
 }

@@ -43,6 +43,7 @@ PITCH, WIDTH, LENGTH = 0.36, 0.24, 2.8  # of the bars, meters
 FRONT, BACK, PAPER = 0.35, -0.35, -1.1  # z of both grids and of the paper, meters
 
 near = 3.8
+crops = {"crossings": (0.38, 0.26, 0.26, 0.26)}
 parameters = {
     "detail": DETAIL,
     "reflection": Parameter(0.05, low=0.0, high=1.0, help="largest radiance that a bar adds"),

@@ -8,7 +8,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 from urllib.parse import quote
 
-from oitbench.report.artifacts import Figure, ImageGrid, Note, Table
+from oitbench.report import stacks
+from oitbench.report.artifacts import Figure, ImageGrid, Note, Stack, Table
 from oitbench.report.context import ReportContext
 
 if TYPE_CHECKING:
@@ -27,10 +28,14 @@ def environment(context: ReportContext) -> Environment:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    kinds = {Figure: "figure", Table: "table", ImageGrid: "grid", Note: "note"}
+    kinds = {Figure: "figure", Table: "table", ImageGrid: "grid", Stack: "stack", Note: "note"}
     made.filters["kind"] = lambda artifact: kinds[type(artifact)]
-    made.filters["link"] = lambda path: quote(
-        os.fsencode(Path(os.path.relpath(path, context.out)).as_posix())
-    )
+
+    def link(path: Path) -> str:
+        return quote(os.fsencode(Path(os.path.relpath(path, context.out)).as_posix()))
+
+    made.filters["link"] = link
     made.globals["style"] = context.style
+    made.globals["facts"] = lambda stack: stacks.facts(context, stack, link(stack.pixels))
+    made.globals["color_maps"] = stacks.color_maps
     return made
