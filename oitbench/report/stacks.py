@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import base64
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
-from oitbench.image.files import Image
 from oitbench.report import pixels, plates, previews
 from oitbench.report.artifacts import Layer, Stack
 from oitbench.report.context import ReportContext
@@ -19,6 +19,9 @@ from oitbench.truths import TRUTHS
 
 FOLDER = "pixels"
 """Folder of the scripts, in that of the page."""
+_PICTURE = "picture"
+_Owner = str | Record
+"""What a layer shows: a truth, by its key, or a cell."""
 
 
 def stack(context: ReportContext, panel: Panel, *, caption: str, characters: int) -> Stack | None:
@@ -38,17 +41,18 @@ def stack(context: ReportContext, panel: Panel, *, caption: str, characters: int
     Stack or None
         None if there is no picture yet.
     """
-    truths = {truth: plates.show_truth(context, panel, truth, None) for truth in TRUTHS}
-    methods = [(cell, _show(context, panel, cell)) for cell in panel.cells]
-    shown = [*truths.values(), *(item for _, item in methods)]
+    owners: list[_Owner] = [*TRUTHS, *panel.cells]
+    shown = [_show(context, panel, owner) for owner in owners]
     if all(item.image is None for item in shown):
         return None
-    stored: dict[str, Codes] = {}
-    layers = [_layer(context, item, truth, stored, characters) for truth, item in truths.items()]
-    for cell, item in methods:
-        layer = _layer(context, item, "", stored, characters, cell)
-        layers.append(layer)
     script = context.out / FOLDER / f"{panel.slug}.js"
+    stored: dict[str, Codes] = {}
+    layers: list[Layer] = []
+    for number, (owner, item) in enumerate(zip(owners, shown, strict=True)):
+        codes = _codes(context, owner, item)
+        keys = {name: f"{number}-{name}" for name in codes}
+        stored |= {keys[name]: value for name, value in codes.items()}
+        layers.append(_layer(context, owner, item, keys, characters))
     pixels.write(script, panel.slug, stored)
     path = context.out / f"images-{panel.slug}"
     return Stack(
@@ -111,49 +115,44 @@ def color_maps() -> dict[str, str]:
     }
 
 
-def _show(context: ReportContext, panel: Panel, cell: Record) -> Shown:
-    values = tuple(text for truth in TRUTHS for text in plates.error_text(context, cell, truth))
-    return plates.show_cell(context, cell, panel.truth, None, values=values)
+def _show(context: ReportContext, panel: Panel, owner: _Owner) -> Shown:
+    if isinstance(owner, str):
+        return plates.show_truth(context, panel, owner, None)
+    values = tuple(text for truth in TRUTHS for text in plates.error_text(context, owner, truth))
+    return plates.show_cell(context, owner, panel.truth, None, values=values)
+
+
+def _codes(context: ReportContext, owner: _Owner, shown: Shown) -> dict[str, Codes]:
+    """Return the pixels of a layer: those of its picture, and of its error maps by truth."""
+    if shown.image is None or shown.picture is None:
+        return {}
+    picture = pixels.radiance_codes(shown.image) if context.hdr else None
+    codes = {_PICTURE: pixels.display_codes(shown.picture) if picture is None else picture}
+    if isinstance(owner, Record):
+        maps = {truth: context.flip_map(owner, truth) for truth in TRUTHS}
+        codes |= {t: pixels.error_codes(errors) for t, errors in maps.items() if errors is not None}
+    return codes
 
 
 def _layer(
     context: ReportContext,
+    owner: _Owner,
     shown: Shown,
-    truth: str,
-    stored: dict[str, Codes],
+    keys: Mapping[str, str],
     characters: int,
-    cell: Record | None = None,
 ) -> Layer:
-    """Return a layer, after adding its pixels to `stored`; a method's layer has a `cell`."""
-    number = f"{len(stored)}"
-    errors: dict[str, float] = {}
-    maps: dict[str, str] = {}
-    for other in TRUTHS if cell and shown.image is not None else ():
-        assert cell is not None
-        error, found = cell.metric(other, context.flip), context.flip_map(cell, other)
-        if error is not None:
-            errors[other] = error
-        if found is not None:
-            maps[other] = f"{number}-{other}"
-            stored[maps[other]] = pixels.error_codes(found)
-    if shown.image is not None:
-        stored[number] = _codes(context, shown.image, shown.picture)
-    tile = shown.tile
+    """Return a layer, whose pixels have the names `keys`."""
+    tile, errors = shown.tile, {}
+    if isinstance(owner, Record):
+        errors = {truth: owner.metric(truth, context.flip) for truth in TRUTHS}
     return Layer(
         tile.label,
-        truth,
+        owner if isinstance(owner, str) else "",
         tile.values,
         tile.note,
-        errors,
+        {truth: error for truth, error in errors.items() if error is not None},
         "" if shown.picture is None else previews.preview(shown.picture, characters),
         "" if shown.error_map is None else previews.preview(shown.error_map, characters),
-        "" if shown.image is None else number,
-        maps,
+        keys.get(_PICTURE, ""),
+        {name: key for name, key in keys.items() if name != _PICTURE},
     )
-
-
-def _codes(context: ReportContext, image: Image, picture: Image | None) -> Codes:
-    if context.hdr:
-        return pixels.radiance_codes(image)
-    assert picture is not None
-    return pixels.display_codes(picture)

@@ -7,6 +7,7 @@ import io
 import json
 import zlib
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -15,7 +16,7 @@ from PIL import Image
 from oitbench.report import pixels, previews
 
 
-def unpacked(packed: dict[str, object]) -> np.ndarray:
+def unpacked(packed: dict[str, Any]) -> np.ndarray:
     """Return the numbers of a picture, decoded as the module describes it."""
     width, height, bits = (int(str(packed[key])) for key in ("width", "height", "bits"))
     octets = zlib.decompress(base64.b64decode(str(packed["data"])))
@@ -29,7 +30,7 @@ def unpacked(packed: dict[str, object]) -> np.ndarray:
 
 @pytest.mark.parametrize("kind", [np.uint8, np.uint16])
 @pytest.mark.parametrize("shape", [(3, 5), (3, 5, 3), (1, 1, 3)])
-def test_packed_numbers_are_kept(kind: type, shape: tuple[int, ...]) -> None:
+def test_packed_numbers_are_kept(kind: Any, shape: tuple[int, ...]) -> None:
     codes = np.random.default_rng(1).integers(0, np.iinfo(kind).max, shape, kind, endpoint=True)
     found = unpacked(pixels.pack(codes))
     assert (found.reshape(shape) == codes).all()

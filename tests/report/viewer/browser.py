@@ -170,7 +170,7 @@ class Viewer:
         left, top, width, height = self.box()
         return left + round(x * width), top + round(y * height)
 
-    def mouse(self, kind: str, x: float, y: float, **more: object) -> None:
+    def mouse(self, kind: str, x: float, y: float, **more: Any) -> None:
         """Send an event of the mouse at fractions of the canvas."""
         across, down = self.place(x, y)
         event = {"type": kind, "x": across, "y": down, **more}
@@ -178,7 +178,7 @@ class Viewer:
 
     def drag(self, start: tuple[float, float], end: tuple[float, float]) -> None:
         """Drag with the left button."""
-        button = {"button": "left", "buttons": 1, "clickCount": 1}
+        button: dict[str, Any] = {"button": "left", "buttons": 1, "clickCount": 1}
         self.mouse("mouseMoved", *start)
         self.mouse("mousePressed", *start, **button)
         self.mouse("mouseMoved", (start[0] + end[0]) / 2, (start[1] + end[1]) / 2, **button)

@@ -3,9 +3,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
+from urllib.parse import quote
 
 import pytest
 
+from oitbench.filenames import file_name
 from oitbench.plugins import Collection
 from oitbench.report import write
 from tests.report.made_up import finished, store, unfinished, unstable
@@ -13,6 +15,9 @@ from tests.report.viewer.browser import Viewer, chromium
 
 IMAGES = {"images": Collection.load().places.reports["images"]}
 HOSTILE = '<img src=x onerror="document.title=1">'
+OTHER = "<i>other</i>"
+"""A scene with a hostile name, and the name of its stack in the address."""
+OTHER_VIEW = quote(f"02-{file_name(OTHER)}")
 METHODS = ("a", "b", "c", "d", "e", "f", "g", "h", "i", "j")
 """Methods with errors of 0, 0.01, 0.02 and so on."""
 CROPS = {"panes": {"middle": (0.25, 0.25, 0.5, 0.5), "edge@above": (0.0, 0.0, 0.5, 0.5)}}
@@ -36,8 +41,8 @@ def results(tmp_path_factory: pytest.TempPathFactory) -> Path:
         folder,
         *cells,
         unfinished("panes", "dead", reason="no <b>shader</b>"),
-        unstable(folder, "other", "nan"),
-        finished(folder, "other", HOSTILE, 0.2, traced=False),
+        unstable(folder, OTHER, "nan"),
+        finished(folder, OTHER, HOSTILE, 0.2, traced=False),
     )
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import numpy.typing as npt
 
@@ -9,21 +11,23 @@ from oitbench.image.files import to_srgb
 from tests.report.made_up import SIDE
 
 EXPOSURE = 1.0
-Floats = npt.NDArray[np.float64]
+Floats = npt.NDArray[Any]
 
 
 def radiance(error: float = 0.0) -> Floats:
     """Return the picture of a method whose picture is the truth times one minus an error."""
     truth = np.random.default_rng(5).random((SIDE, SIDE, 3), dtype=np.float32)
-    return (truth * np.float32(1 - error)).astype(np.float64)
+    return np.asarray(truth * np.float32(1 - error), np.float64)
 
 
 def levels(error: float = 0.0) -> Floats:
     """Return the 8-bit levels of that picture at the exposure of its scene."""
-    return np.rint(255.0 * to_srgb(radiance(error), EXPOSURE))
+    rounded: Floats = np.rint(255.0 * to_srgb(radiance(error), EXPOSURE))
+    return rounded
 
 
 def linear(values: Floats) -> Floats:
     """Return the linear value of display levels."""
     display = values / 255
-    return np.where(display <= 0.04045, display / 12.92, ((display + 0.055) / 1.055) ** 2.4)
+    values = np.where(display <= 0.04045, display / 12.92, ((display + 0.055) / 1.055) ** 2.4)
+    return np.asarray(values)

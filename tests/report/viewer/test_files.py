@@ -5,13 +5,14 @@ from __future__ import annotations
 import shutil
 from pathlib import Path
 from typing import Any
+from urllib.parse import quote
 
 import numpy as np
 from PIL import Image
 
 from tests.report.made_up import SIDE
 from tests.report.viewer.browser import Viewer
-from tests.report.viewer.conftest import HOSTILE
+from tests.report.viewer.conftest import HOSTILE, OTHER, OTHER_VIEW
 from tests.report.viewer.expected import levels
 
 
@@ -39,9 +40,11 @@ def test_a_page_in_one_file_needs_no_other(driver: Any, hdr_page: Path) -> None:
 
 
 def test_names_from_plugins_stay_text(driver: Any, page: Path) -> None:
-    viewer = Viewer(driver, page).open("view=02-other&method=" + HOSTILE.replace("=", "%3D"))
+    viewer = Viewer(driver, page).open(f"view={OTHER_VIEW}&method={quote(HOSTILE)}")
     assert viewer.labels() == [f"{HOSTILE} · FLIP 0.2838"]
     assert HOSTILE in viewer.text(".side tbody")
+    scenes = viewer.driver.find_elements("css selector", "#viewer .scenes option")
+    assert [scene.get_attribute("textContent") for scene in scenes] == ["panes", OTHER]
     viewer.press("p", "m", "?")
     assert viewer.driver.title == "oitbench report"
     assert viewer.address("method") == HOSTILE

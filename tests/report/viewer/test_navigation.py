@@ -7,6 +7,7 @@ import pytest
 
 from tests.report.made_up import SIDE
 from tests.report.viewer.browser import Viewer
+from tests.report.viewer.conftest import OTHER_VIEW
 from tests.report.viewer.expected import levels
 
 
@@ -94,7 +95,7 @@ def test_c_shows_the_crops_of_the_scene(viewer: Viewer) -> None:
     assert (viewer.picture(SIDE // 2, region) == inside).all()
     viewer.press("c")
     assert viewer.address("crop") == ""
-    viewer.open("view=02-other")
+    viewer.open(f"view={OTHER_VIEW}")
     disabled = viewer.script(
         "return [...document.querySelectorAll('#viewer .bar button')]"
         ".find(e => e.textContent === 'Crop').disabled"

@@ -13,6 +13,7 @@ from oitbench.image import metrics
 from oitbench.image.files import to_srgb
 from tests.report.made_up import SIDE
 from tests.report.viewer.browser import Levels, Viewer
+from tests.report.viewer.conftest import OTHER_VIEW
 from tests.report.viewer.expected import EXPOSURE, Floats, levels, linear, radiance
 
 
@@ -100,7 +101,8 @@ def error_map(error: float) -> Floats:
     """Return the FLIP map of a method, as the viewer has it."""
     truth, picture = (radiance(value).astype(np.float32) for value in (0.0, error))
     found = metrics.compare(truth, picture, 0.0).maps[metrics.FLIP_LDR]
-    return (np.rint(255 * np.sqrt(found.astype(np.float64))) / 255) ** 2
+    rounded: Floats = (np.rint(255 * np.sqrt(found.astype(np.float64))) / 255) ** 2
+    return rounded
 
 
 def test_m_shows_flip_signed_and_absolute_differences(viewer: Viewer) -> None:
@@ -159,7 +161,7 @@ def centers(viewer: Viewer) -> tuple[np.ndarray, np.ndarray]:
 
 
 def test_pixels_that_are_not_finite_are_magenta(driver: Any, hdr_page: Path) -> None:
-    viewer = Viewer(driver, hdr_page).open("view=02-other&method=nan")
+    viewer = Viewer(driver, hdr_page).open(f"view={OTHER_VIEW}&method=nan")
     assert viewer.picture(SIDE)[3, 3].tolist() == [255, 0, 255]
     viewer.press("m", "m")
     assert viewer.picture(SIDE)[3, 3].tolist() == [255, 0, 255]
