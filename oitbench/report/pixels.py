@@ -25,6 +25,7 @@ Codes = npt.NDArray[np.uint8] | npt.NDArray[np.uint16]
 """Numbers that stand for the values of a picture, shape (h, w) or (h, w, 3)."""
 FUNCTION = "oitbenchPixels"
 """The function of the page that a script calls."""
+_LEVEL = 3  # a third of the time of the default level, for 6 % more bytes
 _LARGEST_HALF = float(np.finfo(np.float16).max)
 
 
@@ -56,7 +57,7 @@ def pack(codes: Codes) -> dict[str, Any]:
     octets = np.ascontiguousarray(channels.astype(f">u{depth}")).view(np.uint8)
     planes = np.moveaxis(octets.reshape(len(channels), height, width, depth), 3, 1)
     differences = np.diff(planes, axis=-1, prepend=np.uint8(0))
-    data = base64.b64encode(zlib.compress(differences.tobytes())).decode()
+    data = base64.b64encode(zlib.compress(differences.tobytes(), _LEVEL)).decode()
     return {"width": width, "height": height, "bits": 8 * depth, "data": data}
 
 

@@ -38,7 +38,7 @@ def preview(srgb: Image, characters: int) -> str:
         # Smaller pictures stay as they are.
         copy.thumbnail((side, side))
         content = io.BytesIO()
-        copy.save(content, "WEBP", quality=_QUALITY, method=4)
+        copy.save(content, "WEBP", quality=_QUALITY, method=2)
         address = "data:image/webp;base64," + base64.b64encode(content.getvalue()).decode()
         if len(address) <= characters:
             break

@@ -13,7 +13,7 @@ class Viewer {
     this.pointers = new Pointers(this, this.screen.canvas);
     this.makeBar();
     dialog.addEventListener("keydown", (event) => this.key(event));
-    dialog.addEventListener("cancel", (event) => event.preventDefault());
+    dialog.addEventListener("close", () => this.leave());
     new ResizeObserver(() => this.refresh()).observe(this.screen.canvas);
     window.addEventListener("hashchange", () => this.follow());
     this.follow();
@@ -56,7 +56,7 @@ class Viewer {
     const { hash } = window.location;
     const stack = this.stacks.find(({ name }) => name === stackName(hash));
     if (!hash.startsWith(PREFIX) || !stack) {
-      if (this.dialog.open) this.hide();
+      this.dialog.close();
     } else if (!this.dialog.open || this.stack !== stack || hash !== toAddress(stack, this.state)) {
       this.open(stack, fromAddress(stack, hash));
     }
@@ -187,17 +187,18 @@ class Viewer {
       this.toggleHelp();
       return;
     }
-    clearTimeout(this.timer);
-    const { element } = this.stack;
-    this.hide();
-    history.replaceState(null, "", `#${element.id}`);
-    element.scrollIntoView({ block: "nearest" });
+    this.dialog.close();
   }
 
-  hide() {
+  /** Tidy up after the dialog has closed, by a key, by the address or by the browser. */
+  leave() {
+    clearTimeout(this.timer);
     if (document.fullscreenElement) document.exitFullscreen();
-    this.dialog.close();
     this.part("help").hidden = true;
+    if (!window.location.hash.startsWith(PREFIX)) return;
+    const { element } = this.stack;
+    history.replaceState(null, "", `#${element.id}`);
+    element.scrollIntoView({ block: "nearest" });
   }
 }
 
