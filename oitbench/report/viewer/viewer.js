@@ -81,10 +81,11 @@ class Viewer {
 
   /** Unpack what is shown, then the rest, so that flipping never waits. */
   async unpack(stack) {
-    const { layer, against } = this.state;
+    const { layer, against, map } = this.state;
     const maps = (one) => (against && one.maps[against.truth] ? [one.maps[against.truth]] : []);
     const pictures = [layer, ...(against ? [against] : []), ...stack.visible].map(({ key }) => key);
-    const keys = stack.lossy ? pictures : [...maps(layer), ...pictures, ...stack.visible.flatMap(maps)];
+    const errors = stack.lossy ? [] : [layer, ...stack.visible].flatMap(maps);
+    const keys = map === "flip" ? [...errors, ...pictures] : [...pictures, ...errors];
     try {
       for (const key of keys) {
         if (stack.picture(key)) continue;
