@@ -23,7 +23,8 @@ class Painter {
     if (picture.width !== other.width || picture.height !== other.height) {
       return "no difference: the reference has another size";
     }
-    const name = [key, map, map === "picture" ? state.tone : state.against.key, state.stops, state.gain].join(" ");
+    const look = map === "picture" ? state.tone : state.against.key;
+    const name = [key, map, look, state.stops, state.gain].join(" ");
     this.used.add(name);
     if (!this.canvases.has(name)) {
       const { width, height } = picture;
@@ -92,7 +93,8 @@ function fillPicture(target, codes, levels) {
 function fillFalseColors(target, codes, linear) {
   const colors = colorMap("viridis");
   for (let pixel = 0, at = 0; at < codes.length; pixel++, at += 3) {
-    const luminance = 0.2126 * linear[codes[at]] + 0.7152 * linear[codes[at + 1]] + 0.0722 * linear[codes[at + 2]];
+    const [red, green, blue] = [linear[codes[at]], linear[codes[at + 1]], linear[codes[at + 2]]];
+    const luminance = 0.2126 * red + 0.7152 * green + 0.0722 * blue;
     const color = 3 * falseColor(luminance);
     if (Number.isNaN(luminance)) set(target, pixel, ...NOT_FINITE);
     else set(target, pixel, colors[color], colors[color + 1], colors[color + 2]);

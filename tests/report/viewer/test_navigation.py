@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from tests.report.made_up import SIDE
-from tests.report.viewer.browser import Viewer
+from tests.report.viewer.browser import SIZE, Viewer
 from tests.report.viewer.conftest import OTHER_VIEW
 from tests.report.viewer.expected import levels
 
@@ -224,6 +224,32 @@ def test_buttons_do_the_same_and_say_what_is_on(viewer: Viewer) -> None:
     # Keys still work after a click.
     viewer.press("r")
     assert (viewer.picture(SIDE) == levels(0.01)).all()
+
+
+@pytest.mark.parametrize("width", [390, 800, 1400])
+def test_nothing_is_cut_off_on_any_screen(viewer: Viewer, width: int) -> None:
+    metrics = {"width": width, "height": 844, "deviceScaleFactor": 2, "mobile": width < 500}
+    viewer.driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", metrics)
+    try:
+        viewer.press("p", "m")
+        inside = viewer.script(
+            "const parts = '#viewer .bar *, #viewer .legend, #viewer .side';"
+            "return [...document.querySelectorAll(parts)].every(e => {"
+            " const b = e.getBoundingClientRect();"
+            " return b.left >= 0 && b.right <= innerWidth && b.bottom <= innerHeight; })"
+        )
+        assert inside
+        assert viewer.script("return document.documentElement.scrollWidth") <= width
+        _, _, across, down = viewer.box()
+        assert across >= 0.6 * width
+        assert down >= 250
+        # The canvas has the pixels of the screen, not those of the layout.
+        assert viewer.canvas().shape[:2] == (2 * down, 2 * across)
+    finally:
+        viewer.driver.execute_cdp_cmd(
+            "Emulation.setDeviceMetricsOverride",
+            {"width": SIZE[0], "height": SIZE[1], "deviceScaleFactor": 1, "mobile": False},
+        )
 
 
 def test_two_fingers_zoom_one_pans_and_a_tap_points(viewer: Viewer) -> None:
