@@ -184,13 +184,16 @@ def test_equal_results_give_equal_bytes(page: Path, folder: Path, tmp_path: Path
 
 
 def test_a_page_in_one_file_links_to_no_other(folder: Path, tmp_path: Path) -> None:
-    reports = {name: REPORTS[name] for name in ("images", "table")}
+    reports = {name: REPORTS[name] for name in ("images", "pareto", "table")}
     page = write(folder, tmp_path / "out", reports, single_file=True).path
     text = page.read_text(encoding="utf-8")
     for link in links(page):
         assert link.startswith(("#", "data:")), link
     for name in ("01-panes", "02-lists"):
         assert f'<script type="text/plain" data-pixels="{name}">oitbenchPixels("{name}"' in text
+    # A figure is shown, and not linked to as well.
+    figure = base64.b64encode((page.parent / "pareto-01-panes.png").read_bytes()).decode()
+    assert text.count(figure) == 1
     table = re.findall('href="data:text/csv;base64,([^"]*)" download="table.csv"', text)
     assert base64.b64decode(table[0]) == (tmp_path / "out" / "table.csv").read_bytes()
 
