@@ -5,14 +5,16 @@ from __future__ import annotations
 import importlib.util
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 from types import ModuleType
 from typing import Any, TypeVar
 
+from oitbench import crops as declared_crops
 from oitbench import parameters as selectors
+from oitbench.crops import Crop
 from oitbench.effects import Effect
 from oitbench.errors import (
     CapabilityError,
@@ -47,6 +49,8 @@ class ScenePlugin:
         Whether the quick preset includes the scene.
     subject : str
         The thing that it shows, such as "smoke"; "" if its file does not say.
+    crops : mapping of str to Crop
+        Parts of its picture by name.
     """
 
     name: str
@@ -55,6 +59,7 @@ class ScenePlugin:
     build: Callable[..., Scene]
     quick: bool = True
     subject: str = ""
+    crops: Mapping[str, Crop] = field(default_factory=dict)
 
 
 class Plugins(Mapping[str, Plugin]):
@@ -315,9 +320,13 @@ def _load_scene(path: Path) -> ScenePlugin:
     if hasattr(module, "near"):
         parameters = {**parameters, "near": _near_plane(path, module.near)}
         build = partial(_build_seen_from, build)
+    try:
+        crops = declared_crops.check(getattr(module, "crops", {}))
+    except ValueError as error:
+        raise DeclarationError(f"{path}: {error}") from error
     return ScenePlugin(
         _checked_name(path, path.stem), module.__doc__ or "", parameters, build,
-        getattr(module, "quick", True), _subject(path, getattr(module, "subject", "")),
+        getattr(module, "quick", True), _subject(path, getattr(module, "subject", "")), crops,
     )  # fmt: skip
 
 

@@ -45,6 +45,7 @@ from oitbench.scene import (
 
 subject = "glass"
 near = 0.7
+crops = {"overlap": (0.42, 0.36, 0.26, 0.26), "shadows": (0.34, 0.76, 0.5, 0.22)}
 parameters = {
     "detail": DETAIL,
     "coverage": Parameter(0.94, low=0.0, high=1.0, help="coverage of the plastic"),

@@ -42,6 +42,7 @@ from oitbench.scene import (
 subject = "glass"
 quick = False
 near = 4.2
+crops = {"caustics": (0.24, 0.48, 0.48, 0.26)}
 parameters = {
     "detail": DETAIL,
 }

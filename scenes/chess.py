@@ -91,6 +91,7 @@ BOOKS: tuple[RGB, ...] = ((0.42, 0.08, 0.06), (0.08, 0.16, 0.32), (0.46, 0.34, 0
 subject = "glass"
 quick = False
 near = 0.27
+crops = {"red_pieces": (0.44, 0.32, 0.44, 0.28)}
 parameters = {
     "detail": DETAIL,
 }

@@ -74,6 +74,7 @@ from oitbench.scene import (
 
 subject = "foliage"
 near = 3.0
+crops = {"blossoms": (0.6, 0.12, 0.3, 0.3), "ivy": (0.34, 0.48, 0.34, 0.24)}
 parameters = {
     "detail": DETAIL,
     "light": Parameter(

@@ -44,6 +44,7 @@ from oitbench.scene import (
 subject = "frosted glass"
 quick = False
 near = 2.2
+crops = {"lettering": (0.25, 0.1, 0.5, 0.28)}
 parameters = {
     "detail": DETAIL,
     "collimation": Parameter(

@@ -57,6 +57,7 @@ STEEL = Material(albedo=(0.10, 0.10, 0.11), specular=0.3, roughness=0.5)
 
 subject = "frosted glass"
 near = 1.55
+crops = {"nearest_pot": (0.03, 0.5, 0.22, 0.22), "farthest_pot": (0.76, 0.5, 0.22, 0.22)}
 parameters = {
     "detail": DETAIL,
     "distance": Parameter(

@@ -44,6 +44,7 @@ FRONT, BACK, PAPER = 0.35, -0.35, -1.1  # z of both grids and of the paper, mete
 
 subject = "glass"
 near = 3.8
+crops = {"crossings": (0.38, 0.26, 0.26, 0.26)}
 parameters = {
     "detail": DETAIL,
     "reflection": Parameter(0.05, low=0.0, high=1.0, help="largest radiance that a bar adds"),

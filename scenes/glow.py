@@ -58,6 +58,7 @@ from oitbench.scene import (
 subject = "smoke"
 quick = False
 near = 3.0
+crops = {"flames": (0.34, 0.4, 0.38, 0.4), "sparks": (0.52, 0.05, 0.32, 0.36)}
 parameters = {
     "detail": PARTICLE_DETAIL,
     "alpha": Parameter(

@@ -53,6 +53,7 @@ from oitbench.scene import (
 subject = "hair"
 quick = False
 near = 1.2
+crops = {"ends": (0.1, 0.55, 0.32, 0.36), "fringe": (0.36, 0.05, 0.32, 0.32)}
 parameters = {
     "detail": DETAIL,
     "alpha": Parameter(0.5, low=0.0, high=1.0, help="coverage of a strand that fills a pixel"),

@@ -49,6 +49,7 @@ from oitbench.scene import (
 subject = "smoke and glass"
 quick = False
 near = 4.3
+crops = {"glass_ball": (0.56, 0.22, 0.38, 0.34), "shadow_of_smoke": (0.1, 0.56, 0.42, 0.24)}
 parameters = {
     "detail": PARTICLE_DETAIL,
     "alpha": Parameter(

@@ -78,6 +78,7 @@ VIEWS = {
 subject = "smoke"
 quick = False
 near = 4.0
+crops = {"before_the_box": (0.5, 0.3, 0.3, 0.3)}
 parameters = {
     "detail": PARTICLE_DETAIL,
     "alpha": Parameter(

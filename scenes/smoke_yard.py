@@ -66,6 +66,7 @@ from oitbench.scene import (
 subject = "smoke"
 quick = False
 near = 2.6
+crops = {"fence": (0.38, 0.38, 0.28, 0.46)}
 parameters = {
     "detail": PARTICLE_DETAIL,
     "alpha": Parameter(0.044, low=0.0, high=1.0, help="coverage at the middle of a particle"),

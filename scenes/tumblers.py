@@ -59,6 +59,7 @@ BLUE_CLOTH = Material(albedo=(0.22, 0.32, 0.46), specular=0.0)
 subject = "glass"
 quick = False
 near = 0.36
+crops = {"green_glass": (0.4, 0.54, 0.24, 0.24), "red_glass": (0.08, 0.4, 0.24, 0.28)}
 parameters = {
     "detail": DETAIL,
 }

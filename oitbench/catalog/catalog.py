@@ -26,6 +26,7 @@ from oitbench.catalog.messages import (
     Resolve,
     Resolved,
 )
+from oitbench.crops import Crop
 from oitbench.errors import DeclarationError, OitbenchError, SceneError
 from oitbench.method.demands import Demands
 from oitbench.parameters import Selector
@@ -245,6 +246,11 @@ class Catalog:
         for values in selectors.expand(parsed, entry.parameters):
             label = selectors.label(entry.name, values, entry.parameters)
             yield Choice(label, entry.name)
+
+    def crops(self, scenes: Iterable[str]) -> dict[str, dict[str, Crop]]:
+        """Return the crops of those scenes that are known and can be loaded, by name."""
+        known = [name for name in scenes if name in self.places.scenes]
+        return {name: self.entry("scene", name).crops for name in known}
 
     def demands(self, method: Choice) -> Demands:
         """Return what a method demands in a scene that requests all effects that it shows.

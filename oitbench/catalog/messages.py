@@ -7,6 +7,7 @@ from typing import Literal
 
 from msgspec import Struct
 
+from oitbench.crops import Crop
 from oitbench.method.demands import Demands
 from oitbench.parameters import AnyParameter
 
@@ -84,6 +85,8 @@ class Entry(Struct, frozen=True, tag=True):
         Why a method has one sample per pixel.
     views : list of str
         Names of the views of a scene, if it was checked and can be built.
+    crops : dict of str to Crop
+        Parts of a scene's picture by name.
     error : str
         Why the plugin cannot be used, in one line; then nothing else is known.
     """
@@ -96,6 +99,7 @@ class Entry(Struct, frozen=True, tag=True):
     expresses: list[str] = []
     no_msaa: str = ""
     views: list[str] = []
+    crops: dict[str, Crop] = {}
     error: str = ""
 
 

@@ -108,7 +108,9 @@ def _scene(collection: Collection, name: str, path: Path, check: bool) -> Entry:
             coarse = f"[detail={_COARSE:g}]" if "detail" in scene.parameters else ""
             views = list(collection.build_scene(f"{name}{coarse}").view_names)
     title = _title(scene.doc)
-    return Entry(name, title, dict(scene.parameters), bool(scene.quick), views=views)
+    return Entry(
+        name, title, dict(scene.parameters), bool(scene.quick), views=views, crops=dict(scene.crops)
+    )
 
 
 def _report(collection: Collection, name: str, path: Path, check: bool) -> Entry:

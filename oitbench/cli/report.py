@@ -19,7 +19,17 @@ from oitbench.report.sections import SECONDS
     type=click.Path(file_okay=False, path_type=Path),
     help="Folder of the report. Default: `report` in the results folder.",
 )
-@click.option("--hdr", is_flag=True, help="Show HDR-FLIP instead of FLIP of the displayed image.")
+@click.option(
+    "--hdr",
+    is_flag=True,
+    help="Show HDR-FLIP instead of FLIP of the displayed image, and keep half floats in the viewer,"
+    " so that exposure recovers light above white.",
+)
+@click.option(
+    "--single-file",
+    is_flag=True,
+    help="Put all pictures, pixels, tables and figures into the page, however large it becomes.",
+)
 @click.option("--markdown", is_flag=True, help="Only print the main tables, as Markdown.")
 @click.option(
     "--section",
@@ -35,6 +45,7 @@ def command(
     results: Path,
     out: Path | None,
     hdr: bool,
+    single_file: bool,
     markdown: bool,
     sections: tuple[str, ...],
     opens: bool,
@@ -60,11 +71,15 @@ def command(
         return
     with Catalog(collections) as catalog:
         found = catalog.places.reports
+        records = (record for folder in folders for record in Results.load(folder).records)
+        crops = catalog.crops(sorted({record.scene.partition("[")[0] for record in records}))
     reports = {name: found[name] for name in sections or found}
     missing = False
     for folder in folders:
         place = out / folder.name if out is not None and len(folders) > 1 else out
-        page = write(folder, place, reports, hdr=hdr, timeout=timeout)
+        page = write(
+            folder, place, reports, hdr=hdr, single_file=single_file, crops=crops, timeout=timeout
+        )
         for reason in page.missing:
             click.echo(f"section left out: {reason}", err=True)
         click.echo(page.path)

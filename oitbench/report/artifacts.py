@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import csv
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
+from oitbench.crops import Crop
 from oitbench.errors import UsageError
 from oitbench.results.table import shielded
 from oitbench.results.times import SIGN
@@ -129,6 +130,76 @@ class ImageGrid:
 
 
 @dataclass(frozen=True)
+class Layer:
+    """One picture of a stack.
+
+    Parameters
+    ----------
+    label : str
+    truth : str
+        Key of the truth that the picture is; empty for that of a method.
+    values : tuple of str
+        Lines below its previews.
+    note : str
+        Reason why there is no picture, or why its cell is not "ok".
+    errors : mapping of str to float
+        Mean error by the truth that the picture is compared with.
+    picture, error_map : str
+        Addresses of the previews; empty without a picture, or without a map.
+    key : str
+        Name of the pixels in the script of the stack; empty without a picture.
+    maps : mapping of str to str
+        Names of the error maps there, by truth.
+    """
+
+    label: str
+    truth: str
+    values: tuple[str, ...]
+    note: str
+    errors: Mapping[str, float]
+    picture: str
+    error_map: str
+    key: str
+    maps: Mapping[str, str]
+
+
+@dataclass(frozen=True)
+class Stack:
+    """All pictures of a panel for the viewer, and the same as one figure for print.
+
+    Parameters
+    ----------
+    name : str
+        Part of addresses; other stacks have other names.
+    layers : tuple of Layer
+        Truths first.
+    against : str
+        Key of the truth that error maps compare with at first.
+    radiance : bool
+        Whether the pixels are linear radiance, and the errors HDR-FLIP; else they are display
+        levels, and FLIP.
+    exposure : float
+        Stops.
+    size : (int, int)
+        Pixels of the pictures.
+    crops : mapping of str to Crop
+    pixels : Path
+        The script that holds all pixels.
+    figure : Figure
+    """
+
+    name: str
+    layers: tuple[Layer, ...]
+    against: str
+    radiance: bool
+    exposure: float
+    size: tuple[int, int]
+    crops: Mapping[str, Crop]
+    pixels: Path
+    figure: Figure
+
+
+@dataclass(frozen=True)
 class Note:
     """A sentence."""
 
@@ -189,7 +260,7 @@ class HeatTable:
     rows: tuple[tuple[str, str, tuple[Shade, ...]], ...]
 
 
-Artifact = Figure | Table | ImageGrid | Note | Statement | Choices | HeatTable
+Artifact = Figure | Table | ImageGrid | Stack | Note | Statement | Choices | HeatTable
 
 
 def decimal(value: float, digits: int = 3) -> str:

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 
+from oitbench import crops
+from oitbench.crops import Crop
 from oitbench.image import metrics
 from oitbench.image.files import Image
 from oitbench.report import palette
 from oitbench.report.palette import Style
-from oitbench.results.records import Results
+from oitbench.results.records import Panel, Results
 from oitbench.results.schema import Record
 
 
@@ -25,12 +27,16 @@ class ReportContext:
     out : Path
         Existing folder that the report writes to.
     hdr : bool
-        Show HDR-FLIP instead of FLIP of the displayed image.
+        Show HDR-FLIP instead of FLIP of the displayed image, and keep linear radiance in the
+        viewer.
+    crops : mapping of str to mapping of str to Crop
+        Parts of pictures by the name of a scene, as its file states them.
     """
 
     results: Results
     out: Path
     hdr: bool = False
+    crops: Mapping[str, Mapping[str, Crop]] = field(default_factory=dict)
 
     @property
     def flip(self) -> str:
@@ -41,6 +47,11 @@ class ReportContext:
         """Return the map of that metric against a truth, shape (h, w); None if there is none."""
         maps = self.results.flip_maps(record, truth)
         return None if maps is None else maps[int(self.hdr)]
+
+    def crops_of(self, panel: Panel) -> dict[str, Crop]:
+        """Return the named parts of the pictures of a panel."""
+        cell = panel.cells[0]
+        return crops.of_view(self.crops.get(cell.scene.partition("[")[0], {}), cell.view)
 
     def style(self, label: str) -> Style:
         """Return the look of a method, the same in every picture.

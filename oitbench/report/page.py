@@ -7,15 +7,23 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from oitbench.crops import Crop
 from oitbench.report.artifacts import writing_to
 from oitbench.report.cells import effect_labels
 from oitbench.report.context import ReportContext
 from oitbench.report.sections import SECONDS, Section, build_sections
+from oitbench.report.single_file import joined
 from oitbench.report.templates import environment
 from oitbench.report.times import disturbed_scenes
 from oitbench.results.records import Results
 from oitbench.results.schema import Record, RunFacts
 from oitbench.results.times import SIGN
+
+VIEWER = (
+    "codec", "tone", "stack", "state", "paint", "panes", "screen", "legend", "list", "actions",
+    "input", "viewer",
+)  # fmt: skip
+"""Scripts of the viewer in `viewer/`, in the order in which the page has them."""
 
 
 @dataclass(frozen=True)
@@ -40,6 +48,8 @@ def write(
     reports: Mapping[str, Path],
     *,
     hdr: bool = False,
+    single_file: bool = False,
+    crops: Mapping[str, Mapping[str, Crop]] | None = None,
     timeout: float | None = SECONDS,
 ) -> Page:
     """Build all reports, and write them as one page.
@@ -55,7 +65,12 @@ def write(
     reports : mapping of str to Path
         Files of reports by name; each has `title`, `build`, and optionally a number `order`.
     hdr : bool
-        Show HDR-FLIP instead of FLIP of the displayed image.
+        Show HDR-FLIP instead of FLIP of the displayed image, and keep linear radiance in the
+        viewer.
+    single_file : bool
+        Put all files that the page needs into it, however large it becomes.
+    crops : mapping of str to mapping of str to Crop, optional
+        Parts of pictures by the name of a scene.
     timeout : float, optional
         Seconds that one section may take. None: no limit.
 
@@ -66,11 +81,15 @@ def write(
     """
     results = Results.load(results_folder)
     out = Path(out_folder) if out_folder is not None else results.folder / "report"
-    context = ReportContext(results, out, hdr)
+    context = ReportContext(results, out, hdr, crops or {})
     page = out / "index.html"
     with writing_to(out):
         sections = build_sections(context, reports, timeout)
-        page.write_text(_render(context, sections), encoding="utf-8", errors="backslashreplace")
+        text = _render(context, sections)
+        scripts = {name: path for section in sections for name, path in section.pixels.items()}
+        # Texts may hold names of files that are not UTF-8.
+        with page.open("w", encoding="utf-8", errors="backslashreplace", newline="") as file:
+            file.writelines(joined(text, out, scripts) if single_file else [text])
     return Page(page, tuple(section.error for section in sections if section.error))
 
 
@@ -92,6 +111,7 @@ def _render(context: ReportContext, sections: Sequence[Section]) -> str:
             facts=_facts(results.facts),
             disturbed=disturbed_scenes(results.records),
             sign=SIGN,
+            viewer=VIEWER,
         )
     )
 

@@ -15,7 +15,7 @@ from oitbench.filenames import file_name
 from oitbench.image import files as images
 from oitbench.image.files import Image
 from oitbench.report import figures
-from oitbench.report.artifacts import ImageGrid, Tile, decimal, fixed
+from oitbench.report.artifacts import Figure, ImageGrid, Tile, decimal, fixed
 from oitbench.report.context import ReportContext
 from oitbench.results.pictures import PICTURE, compared
 from oitbench.results.ranking import largest_noise_floor, truth_label
@@ -40,11 +40,12 @@ _SCALE = 0.5
 
 @dataclass(frozen=True)
 class Shown:
-    """A tile with its pixels, sRGB-encoded; None where the tile has no file."""
+    """A tile with its pixels, sRGB-encoded, and the linear image; None where there is none."""
 
     tile: Tile
     picture: Image | None
     error_map: Image | None
+    image: Image | None
 
 
 def first_image(context: ReportContext, panel: Panel, truth: str) -> Image | None:
@@ -63,8 +64,8 @@ def display(image: Image, stops: float) -> Image:
     return images.mark_nonfinite(images.to_srgb(image, stops))
 
 
-def show_truth(context: ReportContext, panel: Panel, truth: str, folder: Path) -> Shown:
-    """Return the tile of a truth, after writing its picture to `folder`."""
+def show_truth(context: ReportContext, panel: Panel, truth: str, folder: Path | None) -> Shown:
+    """Return the tile of a truth, after writing its picture to `folder`, if there is one."""
     image = first_image(context, panel, truth)
     text = truth_text(context, panel, truth)
     if image is not None and image.shape[1::-1] != panel.size:
@@ -96,12 +97,12 @@ def show_cell(
     context: ReportContext,
     cell: Record,
     truth: str,
-    folder: Path,
+    folder: Path | None,
     *,
     values: tuple[str, ...],
     label: str = "",
 ) -> Shown:
-    """Return the tile of a cell, after writing its picture and its FLIP map to `folder`.
+    """Return the tile of a cell, after writing its picture and its FLIP map.
 
     Parameters
     ----------
@@ -109,7 +110,8 @@ def show_cell(
     cell : Record
     truth : str
         The truth that the map compares with.
-    folder : Path
+    folder : Path, optional
+        Default: nothing is written.
     values : tuple of str
         Lines below the pictures.
     label : str
@@ -146,19 +148,21 @@ def why_no_truth(context: ReportContext, cells: Sequence[Record], truth: str) ->
 
 
 def _write(
-    tile: Tile, image: Image | None, errors: Image | None, stops: float, folder: Path
+    tile: Tile, image: Image | None, errors: Image | None, stops: float, folder: Path | None
 ) -> Shown:
-    """Write the PNG files of a tile, and return it with their paths."""
+    """Write the PNG files of a tile to a folder, if any, and return it with their paths."""
     if image is None:
-        return Shown(tile, None, None)
-    stem = file_name(tile.label)
+        return Shown(tile, None, None, None)
     picture, colored = display(image, stops), None if errors is None else magma(errors)
+    if folder is None:
+        return Shown(tile, picture, colored, image)
+    stem = file_name(tile.label)
     files = [folder / f"{stem}.png", folder / f"{stem}-flip.png"]
     images.write_png(files[0], picture)
     if colored is not None:
         images.write_png(files[1], colored)
     written = replace(tile, picture=files[0], error_map=None if colored is None else files[1])
-    return Shown(written, picture, colored)
+    return Shown(written, picture, colored, image)
 
 
 def magma(errors: Image) -> Image:
@@ -178,14 +182,27 @@ def grid(
     title: str,
     caption: str,
 ) -> ImageGrid:
-    """Return the tiles for the page, and draw them as `path` with the suffixes .png and .pdf."""
+    """Return the tiles for the page, and the same as one figure."""
+    figure = draw(context, panel, shown, path, title=title, caption=caption)
+    return ImageGrid(tuple(item.tile for item in shown), figure)
+
+
+def draw(
+    context: ReportContext,
+    panel: Panel,
+    shown: Sequence[Shown],
+    path: Path,
+    *,
+    title: str,
+    caption: str,
+) -> Figure:
+    """Draw tiles as one figure, `path` with the suffixes .png and .pdf."""
     layout = _Layout(len(shown), *fitted(panel.size, _PICTURE))
     with figures.canvas(layout.width, layout.height, by_hand=True) as canvas:
         for place, tile in enumerate(shown):
             _draw_tile(canvas, layout, place, tile)
         _draw_scale(canvas, layout, context.flip)
-        figure = figures.save(canvas, path, title=title, caption=caption)
-    return ImageGrid(tuple(item.tile for item in shown), figure)
+        return figures.save(canvas, path, title=title, caption=caption)
 
 
 def fitted(size: tuple[int, int], width: float) -> tuple[float, float]:

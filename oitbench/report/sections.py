@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from oitbench.errors import OitbenchError
@@ -28,6 +28,8 @@ class Section:
         HTML.
     faults : tuple of str
         Images that could not be read, one line each.
+    pixels : mapping of str to Path
+        Scripts with the pixels of its stacks, by their names.
     error : str
         Why the section could not be built, in one line; then it has no body.
     """
@@ -38,6 +40,7 @@ class Section:
     order: float = LAST
     body: str = ""
     faults: tuple[str, ...] = ()
+    pixels: Mapping[str, Path] = field(default_factory=dict)
     error: str = ""
 
 
@@ -59,7 +62,8 @@ def build_sections(
     memory_limit : int, optional
         Bytes that the worker may use. Default: the share of a single worker.
     """
-    settings = Settings(context.results.folder, context.out, context.hdr)
+    crops = {scene: dict(found) for scene, found in context.crops.items()}
+    settings = Settings(context.results.folder, context.out, context.hdr, crops)
     limit = memory.share(1) if memory_limit is None else memory_limit
     with Process("oitbench.report.worker", settings, SectionBuilt, limit) as worker:
         sections = [_build(worker, name, path, timeout) for name, path in reports.items()]
@@ -73,4 +77,4 @@ def _build(worker: Process, name: str, path: Path, timeout: float | None) -> Sec
         text = str(error)
         return Section(name, name, error=text if str(path) in text else f"{path}: {text}")
     faults = tuple(built.faults)
-    return Section(name, built.title, built.doc, built.order, built.body, faults)
+    return Section(name, built.title, built.doc, built.order, built.body, faults, built.pixels)

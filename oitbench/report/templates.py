@@ -8,12 +8,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 from urllib.parse import quote
 
+from oitbench.report import stacks
 from oitbench.report.artifacts import (
     Choices,
     Figure,
     HeatTable,
     ImageGrid,
     Note,
+    Stack,
     Statement,
     Table,
 )
@@ -37,13 +39,17 @@ def environment(context: ReportContext) -> Environment:
         lstrip_blocks=True,
     )
     kinds: dict[type, str] = {
-        Figure: "figure", Table: "table", ImageGrid: "grid", Note: "note",
+        Figure: "figure", Table: "table", ImageGrid: "grid", Stack: "stack", Note: "note",
         Statement: "statement", Choices: "choices", HeatTable: "heat",
     }  # fmt: skip
     made.filters["kind"] = lambda artifact: kinds[type(artifact)]
-    made.filters["link"] = lambda path: quote(
-        os.fsencode(Path(os.path.relpath(path, context.out)).as_posix())
-    )
+
+    def link(path: Path) -> str:
+        return quote(os.fsencode(Path(os.path.relpath(path, context.out)).as_posix()))
+
+    made.filters["link"] = link
     made.globals["style"] = context.style
     made.globals["is_dark"] = is_dark
+    made.globals["facts"] = lambda stack: stacks.facts(context, stack, link(stack.pixels))
+    made.globals["color_maps"] = stacks.color_maps
     return made

@@ -7,10 +7,11 @@ from pathlib import Path
 
 from msgspec import Struct
 
+from oitbench.crops import Crop
 from oitbench.errors import DeclarationError, OitbenchError, locate, printable
 from oitbench.places import Places
 from oitbench.plugins import Collection
-from oitbench.report.artifacts import writing_to
+from oitbench.report.artifacts import Stack, writing_to
 from oitbench.report.context import ReportContext
 from oitbench.report.templates import environment
 from oitbench.results.records import Results
@@ -23,11 +24,12 @@ _LOADING, _BUILDING = Step("loading the file"), Step("building the section")
 
 
 class Settings(Struct, frozen=True):
-    """The results folder, the folder of the page, and whether the page shows HDR-FLIP."""
+    """The results folder, and the other fields of a context."""
 
     results: Path
     out: Path
     hdr: bool
+    crops: dict[str, dict[str, Crop]]
 
 
 class BuildSection(Struct, frozen=True, tag=True):
@@ -40,7 +42,8 @@ class BuildSection(Struct, frozen=True, tag=True):
 class SectionBuilt(Struct, frozen=True, tag=True):
     """The section: `body` is HTML, and sections are sorted by `order`.
 
-    `faults` says in one line each which images could not be read so far.
+    `faults` says in one line each which images could not be read so far, and `pixels` are the
+    scripts of its stacks by their names.
     """
 
     title: str
@@ -48,12 +51,13 @@ class SectionBuilt(Struct, frozen=True, tag=True):
     order: float
     body: str
     faults: list[str]
+    pixels: dict[str, Path]
 
 
 def _begin(settings: Settings, on_step: OnStep) -> Callable[[BuildSection], SectionBuilt]:
     collection = Collection(Places())
     results = Results.load(settings.results)
-    context = ReportContext(results, settings.out, settings.hdr)
+    context = ReportContext(results, settings.out, settings.hdr, settings.crops)
     template = environment(context).get_template("section.html")
 
     def answer(request: BuildSection) -> SectionBuilt:
@@ -64,7 +68,8 @@ def _begin(settings: Settings, on_step: OnStep) -> Callable[[BuildSection], Sect
         on_step(_BUILDING)
         try:
             with writing_to(context.out):
-                body = template.render(artifacts=module.build(context))
+                artifacts = list(module.build(context))
+                body = template.render(artifacts=artifacts)
             return SectionBuilt(
                 printable(str(module.title)),
                 printable(" ".join((module.__doc__ or "").split())),
@@ -72,6 +77,7 @@ def _begin(settings: Settings, on_step: OnStep) -> Callable[[BuildSection], Sect
                 # A note may name a folder whose name is not UTF-8.
                 body.encode(errors="backslashreplace").decode(),
                 list(map(printable, results.faults)),
+                {item.name: item.pixels for item in artifacts if isinstance(item, Stack)},
             )
         except OitbenchError:
             raise

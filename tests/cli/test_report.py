@@ -21,3 +21,12 @@ def test_only_chosen_sections_are_written(call: Call, tmp_path: Path) -> None:
         "traffic",
     ]
     call("report", folder, "--section", "traffik").assert_refused("traffik")
+
+
+def test_a_page_in_one_file_has_the_crops_of_the_scene(call: Call, tmp_path: Path) -> None:
+    folder = store(tmp_path / "results", finished(tmp_path / "results", "glass_bars", "murk", 0.1))
+    assert call("report", folder, "--section", "images", "--single-file", "--hdr").code == 0
+    page = (folder / "report" / "index.html").read_text(encoding="utf-8")
+    assert '"crops": {"crossings": [0.38, 0.26, 0.26, 0.26]}' in page
+    assert '"radiance": true' in page
+    assert 'data-pixels="01-glass_bars"' in page

@@ -12,7 +12,7 @@ from PIL import Image
 
 from oitbench.image import files, stored
 from oitbench.plugins import Collection
-from oitbench.report import ImageGrid, figures, write
+from oitbench.report import Stack, figures, write
 from oitbench.report.artifacts import write_csv
 from oitbench.report.markdown import tables
 from oitbench.report.plates import fitted
@@ -75,7 +75,7 @@ def narrow(folder: Path, size: tuple[int, int]) -> Record:
 def test_narrow_pictures_make_no_huge_figure(tmp_path: Path, size: tuple[int, int]) -> None:
     cells = [narrow(tmp_path, size)]
     grids = Collection.load().reports["images"].build(context(tmp_path, cells, tmp_path))
-    (grid,) = [item for item in grids if isinstance(item, ImageGrid)]
+    (grid,) = [item for item in grids if isinstance(item, Stack)]
     with Image.open(grid.figure.png) as figure:
         assert max(figure.size) < 15 * figures.DOTS_PER_INCH
 
