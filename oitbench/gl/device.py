@@ -34,6 +34,7 @@ _LIMITS = {
     "GL_MAX_TEXTURE_SIZE": 0x0D33,
     "GL_MAX_UNIFORM_BLOCK_SIZE": 0x8A30,
 }
+_R32UI, _WORDS = 0x8236, (0x8D94, 0x1405)  # GL_RED_INTEGER, GL_UNSIGNED_INT
 _VOID = ctypes.c_void_p
 _UINT, _INT, _BYTE = ctypes.c_uint, ctypes.c_int, ctypes.c_ubyte
 _SIGNATURES: dict[str, tuple[Any, ...]] = {
@@ -44,6 +45,7 @@ _SIGNATURES: dict[str, tuple[Any, ...]] = {
     "glDepthMask": (_BYTE,),
     "glClearBufferfv": (_UINT, _INT, _VOID),
     "glClearBufferuiv": (_UINT, _INT, _VOID),
+    "glClearNamedBufferData": (_UINT, _UINT, _UINT, _UINT, _VOID),
     "glBindBuffer": (_UINT, _UINT),
     "glBindTexture": (_UINT, _UINT),
     "glGetTextureImage": (_UINT, _INT, _UINT, _UINT, _INT, _VOID),
@@ -53,6 +55,7 @@ _SIGNATURES: dict[str, tuple[Any, ...]] = {
     "glTexImage2DMultisample": (_UINT, _INT, _UINT, _INT, _INT, _BYTE),
     "glGetInteger64v": (_UINT, _VOID),
     "glPixelStorei": (_UINT, _INT),
+    "glMinSampleShading": (ctypes.c_float,),
     "glFinish": (),
     "glCreateQueries": (_UINT, _INT, _VOID),
     "glQueryCounter": (_UINT, _UINT),
@@ -96,6 +99,8 @@ class Device:
         }
         # The usual [-1, 1] would round small depths as if they were near one.
         self.call("glClipControl", _LOWER_LEFT, _ZERO_TO_ONE)
+        # For each sample, where sample shading is on.
+        self.call("glMinSampleShading", 1.0)
         self.renderer = str(self.context.info["GL_RENDERER"])
         self.vendor = str(self.context.info["GL_VENDOR"])
         self.version = str(self.context.info["GL_VERSION"])
@@ -293,6 +298,11 @@ class Device:
         name = "glClearBufferuiv" if entry.integer else "glClearBufferfv"
         self.call("glColorMaski", slot, 1, 1, 1, 1)
         self.call(name, _COLOR, slot, numbers.ctypes.data)
+
+    def fill(self, buffer: moderngl.Buffer, word: int = 0) -> None:
+        """Set all words of a buffer to `word`, on the GPU: `moderngl.Buffer.clear` maps it."""
+        value = np.array([word], dtype=np.uint32)
+        self.call("glClearNamedBufferData", buffer.glo, _R32UI, *_WORDS, value.ctypes.data)
 
     @cached_property
     def samples_query(self) -> moderngl.Query:

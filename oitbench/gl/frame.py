@@ -18,7 +18,8 @@ from oitbench.gl.draws.records import Lap, PassRecord, Term, no_lap
 from oitbench.gl.limits import check_loops, check_size
 from oitbench.gl.ownership import Owner
 from oitbench.gl.plan import FramePlan
-from oitbench.gl.program.passes import Blueprint, CompiledPass, attach, compile_pass
+from oitbench.gl.program.compiled_pass import CompiledPass
+from oitbench.gl.program.passes import Blueprint, attach, compile_pass
 from oitbench.gl.program.shading_inputs import UNLIT
 from oitbench.gl.readback import read_averaged, read_texels
 from oitbench.gl.resources import Resources

@@ -54,6 +54,7 @@ class Resources(Owner):
         self.textures: dict[str, moderngl.Texture] = {}
         self._blocks: dict[tuple[str, str], moderngl.Buffer] = {}
         self._allocators: dict[str, moderngl.Buffer] = {}
+        self._given: dict[Region, npt.NDArray[np.uint32]] = {}
         self._records: dict[str, int] = {}
         self.requested = 0
         self.demand: Counts = np.zeros(self.tiles, dtype=np.int64)
@@ -78,7 +79,7 @@ class Resources(Owner):
         if self._plan.bindings.counters is not None:
             words = math.prod(self.tiles) * len(self._plan.bindings.slots)
             self._counters = self.own(self._device.context.buffer(reserve=4 * words))
-            self._counters.clear()
+            self._device.fill(self._counters)
 
     def records(self, name: str) -> int:
         """Return the number of records that fit in the buffer `name`."""
@@ -105,6 +106,7 @@ class Resources(Owner):
             return
         widest = max(GLSL_BYTES[kind] for name in listed for kind in buffers[name].fields.values())
         self.demand = demand
+        self._given.clear()
         self.regions = split(demand, self._block_limit // widest)
         records = max(int(demand[r.bottom : r.top, r.left : r.right].sum()) for r in self.regions)
         for name in listed:
@@ -121,7 +123,7 @@ class Resources(Owner):
         for (name, _), block in self._blocks.items():
             value = self._plan.buffers[name].clear
             if value is not None:
-                block.clear(chunk=np.uint32(value).tobytes())
+                self._device.fill(block, value)
         for allocator in self._allocators.values():
             allocator.write(self._shares(region).tobytes())
 
@@ -131,6 +133,9 @@ class Resources(Owner):
             self._device.context.memory_barrier()
 
     def _shares(self, region: Region) -> npt.NDArray[np.uint32]:
+        """Return the words of allocators; they are kept, as a GPU waits for them in each frame."""
+        if region in self._given:
+            return self._given[region]
         inside = np.zeros(self.tiles, dtype=np.int64)
         window = np.s_[region.bottom : region.top, region.left : region.right]
         inside[window] = self.demand[window]
@@ -138,6 +143,7 @@ class Resources(Owner):
         words = np.zeros((math.prod(self.tiles), ALLOCATOR_STRIDE), dtype=np.uint32)
         words[:, 0] = ends - inside.reshape(-1)
         words[:, 1] = ends
+        self._given[region] = words
         return words
 
     def shortfall(self, region: Region) -> Counts | None:
@@ -189,7 +195,7 @@ class Resources(Owner):
         slots = self._plan.bindings.slots
         words = np.frombuffer(self._counters.read(), dtype=np.uint32)
         totals = words.reshape(-1, len(slots)).sum(axis=0, dtype=np.int64)
-        self._counters.clear()
+        self._device.fill(self._counters)
         return {key: int(totals[slot]) for key, slot in slots.items()}
 
     def memory(self) -> list[tuple[str, int]]:

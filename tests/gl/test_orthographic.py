@@ -27,7 +27,7 @@ from oitbench.scene import (
 )
 from tests.gl.test_coincidence import TILTS, decal
 from tests.gl.test_occlusion import corner, found_openness
-from tests.helpers import opened, render
+from tests.helpers import moved, opened, render
 from tests.methods.foggy import AMBIENT, FLOAT, FOG, LAMP, SIZE, STEPS, SUN, foggy
 from tests.models import fog as model
 from tests.models import phenomenological
@@ -118,7 +118,10 @@ def test_fog_follows_the_model(device: Device, beam: DirectionalLight | SpotLigh
     light = np.concatenate([slices.radiance, np.ones((*slices.z.shape, 1))], axis=-1)
     np.testing.assert_allclose(accum, (weight[..., None] * light).sum(0), rtol=2e-4, atol=2e-6)
     left = (1 - slices.coverage).prod(axis=0)
-    np.testing.assert_allclose(beta[..., :3], np.repeat(left[..., None], 3, -1), atol=2e-6)
+    # GPUs snap the wall's vertices, and so move its distance.
+    snapped = FOG.extinction * moved(device, np.broadcast_to(behind, left.shape))
+    allowed = 2e-6 + float(left.max()) * snapped
+    np.testing.assert_allclose(beta[..., :3], np.repeat(left[..., None], 3, -1), atol=allowed)
 
 
 def distances(camera: Camera) -> Floats:

@@ -132,7 +132,9 @@ def test_weighted_blending_reads_its_targets_once(device: Device, planes: Scene)
 def test_counted_lists_write_and_read_each_record_once(
     device: Device, planes: Scene, node: str, payload: int
 ) -> None:
-    with opened(device, planes, f"a_buffer[node={node}]", SIZE, counted=True) as frame:
+    with opened(
+        device, planes, f"a_buffer[node={node},storage=counted]", SIZE, counted=True
+    ) as frame:
         terms, _ = measured(frame)
         fragments = 4 * PIXELS
         assert total(terms, "count") == 8 * fragments

@@ -12,7 +12,7 @@ from oitbench.errors import CapabilityError
 from oitbench.gl.batches import Batch
 from oitbench.gl.device import Device
 from oitbench.gl.frame import Frame
-from oitbench.gl.program.passes import CompiledPass
+from oitbench.gl.program.compiled_pass import CompiledPass
 from oitbench.gl.shading.backdrop import Backdrop
 from oitbench.gl.shading.opaque import OpaquePicture
 from oitbench.gl.uploaded_scene import UploadedScene

@@ -121,7 +121,7 @@ def test_a_spin_lock_gives_the_same_picture_as_the_best_mechanism(
     chosen, lists = method(variant), random_lists(20, tinted=True)
     written = FramePlan.of(chosen, (1, 1), chosen.shows, mechanism="spin lock").targets
     if len(written) > device.max_images:
-        with pytest.raises(CapabilityError, match=rf"writes {len(written)} targets; .* allows"):
+        with pytest.raises(CapabilityError, match=r"writes \d+ targets; .* allows"):
             render(device, lists, chosen, mechanism="spin lock")
         return
     best = render(device, lists, chosen)

@@ -128,9 +128,10 @@ def test_samples_of_a_pixel_are_accumulated_one_by_one(device: Device) -> None:
 
 
 class Repeated(type(method("a_buffer"))):  # type: ignore[misc]
-    """The list method, whose frames are all the same."""
+    """The list method that counts fragments first; its frames are all the same."""
 
     frames = Parameter(1, low=1)
+    storage = Parameter("counted", choices=("linked", "counted"))
 
 
 def test_frames_of_lists_that_do_not_fit_in_memory_are_drawn_in_parts(device: Device) -> None:

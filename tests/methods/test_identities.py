@@ -27,7 +27,6 @@ FURTHER = (
     "sorted_two_pass[sort=triangle]",
     "stochastic[correction=none]",
     "stochastic[correction=alpha]",
-    "stochastic[samples=4]",
     "weighted_sum[clamp=true,precision=float]",
 )
 """Variants in addition to those of `oitbench stability`."""

@@ -16,7 +16,7 @@ from oitbench.gl.batches import IndexOrder
 from oitbench.gl.device import Device
 from oitbench.gl.draws.records import PassRecord, no_lap
 from oitbench.gl.program.bindings import Access
-from oitbench.gl.program.passes import CompiledPass
+from oitbench.gl.program.compiled_pass import CompiledPass
 from oitbench.gl.tiling import Scissor, rectangle
 from oitbench.gl.view import FRAME_OFFSET, ITERATION_OFFSET
 from oitbench.image.values import Values

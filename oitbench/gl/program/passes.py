@@ -1,9 +1,9 @@
-"""One compiled pass: program, framebuffer, textures and every piece of state that it needs."""
+"""Compiles passes: their shaders, framebuffers and textures."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Hashable, Mapping, Sequence
+from collections.abc import Hashable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -13,14 +13,12 @@ from oitbench.effects import Effect
 from oitbench.errors import CapabilityError, DeclarationError
 from oitbench.gl.capabilities import FETCH
 from oitbench.gl.device import Device
-from oitbench.gl.geometry import FACTORS, FACTORS_FORMAT, VERTEX, VERTEX_FORMAT, Geometry
-from oitbench.gl.ownership import Owner
-from oitbench.gl.planes import PLANE_FORMAT, PLANE_NAME
+from oitbench.gl.geometry import Geometry
 from oitbench.gl.program import accessors, prelude
-from oitbench.gl.program.bindings import VIEW_BINDING, Bindings
+from oitbench.gl.program.bindings import Bindings
+from oitbench.gl.program.compiled_pass import CompiledPass
 from oitbench.gl.program.shading_inputs import UNLIT, Sampled, ShadingInputs
 from oitbench.gl.program.source import Source
-from oitbench.gl.tiling import Scissor
 from oitbench.method.formats import Format
 from oitbench.method.passes import OPAQUE_DEPTH, Gather, Pass, Resolve
 from oitbench.method.steps import (
@@ -36,7 +34,6 @@ DEPTH_COPY, DEPTH_AT_CENTERS = "opaque_depth_copy", "opaque_depth_at_centers"
 that rasterize pixel centers in a multisampled frame."""
 LIGHT_VIEW = "LIGHT_VIEW"
 """Macro of passes that a light sees, not the camera."""
-_SAMPLE_ALPHA_TO_COVERAGE = 0x809E
 _UNITS = "GL_MAX_TEXTURE_IMAGE_UNITS"
 
 
@@ -78,110 +75,6 @@ class Blueprint:
     samples: int = 1
     mechanism: str = FETCH
     per_sample: frozenset[str] = frozenset()
-
-
-class CompiledPass(Owner):
-    """A pass that can be drawn. `begin` sets all of its state; the device owns its program.
-
-    Attributes
-    ----------
-    step : Gather or Resolve
-        The declaration.
-    draws : hashable or None
-        Key of the index order that a gather pass draws; None for a pass over pixels.
-    framebuffer : moderngl.Framebuffer
-    clears : list of (framebuffer, format, value)
-        Targets to clear just before.
-    subsample : int
-        Downsampling factor of the written targets.
-    """
-
-    def __init__(
-        self,
-        device: Device,
-        step: Pass,
-        draws: Hashable | None,
-        program: moderngl.Program,
-        framebuffer: moderngl.Framebuffer,
-        samplers: Mapping[str, Sampled],
-        images: Sequence[moderngl.Texture],
-        geometry: Geometry,
-        depth_writes: bool,
-        blocks: Mapping[int, moderngl.Buffer],
-        subsample: int,
-    ) -> None:
-        super().__init__()
-        self.step, self.draws, self.subsample = step, draws, subsample
-        self.framebuffer = self.own(framebuffer)
-        self.clears: list[tuple[moderngl.Framebuffer, Format, tuple[float, ...]]] = []
-        self._device, self._program, self._geometry = device, program, geometry
-        self._samplers, self._images, self._blocks = samplers, images, blocks
-        self._depth_writes = depth_writes
-        self._arrays: dict[int, moderngl.VertexArray] = {}
-
-    def begin(self, view: moderngl.Buffer, scissor: Scissor) -> None:
-        """Set framebuffer, depth, blend, samplers and uniform blocks."""
-        device, context = self._device, self._device.context
-        self.framebuffer.use()
-        self.framebuffer.scissor = scissor
-        self.framebuffer.depth_mask = self._depth_writes
-        geometry = isinstance(self.step, Gather)
-        # Blending stays on even where it replaces: with blending, depth test and discard all off,
-        # llvmpipe drops the side effects of primitives that a later one covers.
-        depth = geometry or self.step.depth is not None
-        masks = isinstance(self.step, Gather) and self.step.masked_by_alpha
-        (context.enable_direct if masks else context.disable_direct)(_SAMPLE_ALPHA_TO_COVERAGE)
-        context.enable_only(moderngl.BLEND | (moderngl.DEPTH_TEST if depth else 0))
-        tests = geometry and not _tests_in_shader(self._geometry, self.step)
-        context.depth_func = ">" if tests else "1"
-        for slot, blend in enumerate(self.step.writes.values()):
-            device.set_blend(slot, blend)
-        for unit, texture in enumerate(self._samplers.values()):
-            texture.use(unit)
-        for unit, image in enumerate(self._images):
-            image.bind_to_image(unit, read=True, write=True)
-        view.bind_to_uniform_block(VIEW_BINDING)
-        for binding, block in self._blocks.items():
-            block.bind_to_uniform_block(binding)
-        if self.step.buffers or self._images:
-            context.memory_barrier()
-
-    def draw(self, indices: moderngl.Buffer, first: int, count: int) -> None:
-        """Draw `count` triangles of `indices`, starting at triangle `first`."""
-        array = self._arrays.get(indices.glo)
-        if array is None:
-            geometry = self._geometry
-            content = [(geometry.vertices, VERTEX_FORMAT, *(VERTEX.names or ()))]
-            if geometry.factors is not None:
-                content.append((geometry.factors, FACTORS_FORMAT, *(FACTORS.names or ())))
-            if geometry.planes is not None:
-                content.append((geometry.planes, PLANE_FORMAT, PLANE_NAME))
-            array = self._device.context.vertex_array(
-                self._program,
-                content,
-                index_buffer=indices,
-                skip_errors=True,
-            )
-            self._arrays[indices.glo] = self.own(array)
-        array.render(moderngl.TRIANGLES, vertices=3 * count, first=3 * first)
-        self._end()
-
-    def draw_screen(self) -> None:
-        """Draw one triangle over the frame."""
-        if 0 not in self._arrays:
-            array = self._device.context.vertex_array(self._program, [])
-            self._arrays[0] = self.own(array)
-        self._arrays[0].render(moderngl.TRIANGLES, vertices=3)
-        self._end()
-
-    def _end(self) -> None:
-        # Values stored in images are next read as textures, copied, or read back.
-        if self._images:
-            self._device.context.memory_barrier()
-
-    def add_clear(self, framebuffer: moderngl.Framebuffer, target: Target) -> None:
-        """Clear a target, the one attachment of `framebuffer`, before each draw."""
-        self.clears.append((self.own(framebuffer), target.texel, target.clear))
 
 
 def compile_pass(
@@ -240,6 +133,7 @@ def compile_pass(
     writes_depth = step.depth is not None and (isinstance(step, Resolve) or step.depth_writes)
     compiled = CompiledPass(
         device, step, draws, program, framebuffer, used, images, geometry, writes_depth,
+        not _tests_in_shader(geometry, step), _is_per_sample(blueprint, step),
         blueprint.shading.blocks, subsample_of(step, blueprint.targets),
     )  # fmt: skip
     with compiled.building():
@@ -282,6 +176,13 @@ def _tests_in_shader(geometry: Geometry, step: Pass) -> bool:
     """
     drawn = isinstance(step, Gather) and step.depth is None and LIGHT_VIEW not in step.defines
     return geometry.planes is not None and drawn
+
+
+def _is_per_sample(blueprint: Blueprint, step: Pass) -> bool:
+    """Return whether the shader of a pass runs for each sample of a fragment."""
+    if not isinstance(step, Gather) or is_single(step, blueprint.targets):
+        return False
+    return blueprint.samples > 1 and shades_samples(step, blueprint.per_sample)
 
 
 def _samplers(
@@ -338,8 +239,8 @@ def _sources(blueprint: Blueprint, geometry: Geometry, step: Pass) -> tuple[Sour
         fragment.add_text("main", "void main() { if (!gl_HelperInvocation) { resolve(); } }")
         vertex.add_engine_file("screen.vert.glsl")
         return vertex, fragment
-    per_sample = shades_samples(step, blueprint.per_sample)
-    places = prelude.interpolation(samples, per_sample, step.depth not in (None, OPAQUE_DEPTH))
+    own_depth = step.depth not in (None, OPAQUE_DEPTH)
+    places = prelude.interpolation(samples, _is_per_sample(blueprint, step), own_depth)
     for source in (vertex, fragment):
         source.add_text("prelude (samples)", places)
         source.add_text("prelude (scene)", geometry.macros)

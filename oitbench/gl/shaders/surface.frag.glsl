@@ -96,12 +96,6 @@ void main() {
         discard;
     }
 #endif
-#ifdef PER_SAMPLE
-    // Never true, but a shader that asks for the number of its sample runs for each sample.
-    if (gl_SampleID < 0) {
-        discard;
-    }
-#endif
 #ifdef TESTS_DEPTH
     if (!before_opaque(fragment, texelFetch(tested_depth, ivec2(gl_FragCoord.xy), 0).r)) {
         discard;

@@ -156,7 +156,7 @@ class OpacitySlices(Owner):
     def _each_ray(self, draw: Callable[[], None]) -> None:
         """Draw once for each ray of a texel, and store the mean light in the textures."""
         for name, buffer in self._fields.items():
-            buffer.clear()
+            self._device.fill(buffer)
             buffer.bind_to_storage_buffer(self._bindings.fields["slices", name])
         for view in self._views:
             self._view.write(view)
