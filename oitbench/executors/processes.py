@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from oitbench.executors.executor import Executor, Far, OnLine
+from oitbench.workers.cores import usable_cores
 from oitbench.workers.process import Process
 
 
@@ -14,12 +15,14 @@ class LocalWorker(Process):
     far : Far
     memory_limit : int
         Bytes that the process and its children may use.
+    threads : int, optional
+        See `Process`.
     """
 
     name = "this machine"
 
-    def __init__(self, far: Far, memory_limit: int) -> None:
-        super().__init__(far.module, far.settings, far.replies, memory_limit, far.greeting)
+    def __init__(self, far: Far, memory_limit: int, threads: int | None = None) -> None:
+        super().__init__(far.module, far.settings, far.replies, memory_limit, far.greeting, threads)
 
 
 class Processes(Executor):
@@ -36,4 +39,6 @@ class Processes(Executor):
     """
 
     def __init__(self, far: Far, count: int, memory_limit: int, on_line: OnLine) -> None:
-        super().__init__([LocalWorker(far, memory_limit) for _ in range(count)], on_line)
+        # More threads than cores wait for each other in metrics.
+        threads = max(1, len(usable_cores()) // count)
+        super().__init__([LocalWorker(far, memory_limit, threads) for _ in range(count)], on_line)

@@ -11,9 +11,9 @@ from pathlib import Path
 
 from oitbench.errors import printable
 from oitbench.fingerprints.code import PACKAGES, package_version
-from oitbench.measure.disturbance import usable_cores
 from oitbench.results.schema import Commit, Renderer, RunFacts
 from oitbench.results.times import Processor
+from oitbench.workers.cores import usable_cores
 
 _GOVERNOR = Path("/sys/devices/system/cpu/cpu0/cpufreq/scaling_governor")
 

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-import os
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
+
+from oitbench.workers.cores import usable_cores
 
 _WORKING = ("user", "nice", "system", "irq", "softirq", "steal")
 """Fields of the system's accounts that are not idle; another virtual machine steals time too."""
@@ -48,13 +49,6 @@ def usage() -> Usage | None:
     usable = [number for number in usable_cores() if number < len(accounts)]
     working = sum(getattr(accounts[core], kind, 0.0) for core in usable for kind in _WORKING)
     return Usage(working, time.process_time(), time.monotonic(), len(usable))
-
-
-def usable_cores() -> list[int]:
-    """Return the numbers of the cores that this process may use."""
-    if hasattr(os, "sched_getaffinity"):
-        return sorted(os.sched_getaffinity(0))
-    return list(range(os.cpu_count() or 1))
 
 
 def foreign_share(before: Usage | None, after: Usage | None) -> float | None:

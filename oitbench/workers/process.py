@@ -9,7 +9,7 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from queue import Empty, Queue
 from typing import Any, Literal, TypeVar
@@ -95,6 +95,8 @@ class Process:
         Bytes that the process and its children may use.
     greeting : Struct, optional
         A request that belongs to the start: its time does not count for the first real request.
+    threads : int, optional
+        Threads that libraries with OpenMP may start. Default: one for each core.
     """
 
     def __init__(
@@ -104,9 +106,11 @@ class Process:
         replies: Any,
         memory_limit: int,
         greeting: Struct | None = None,
+        threads: int | None = None,
     ) -> None:
         self._module, self._settings, self._greeting = module, settings, greeting
         self._memory_limit = memory_limit
+        self._variables = {} if threads is None else {"OMP_NUM_THREADS": str(threads)}
         self._decoder = decoder(replies | Ready | Refusal | Fault | Step)
         self._running: _Running | None = None
         self._lock, self._stopped = threading.Lock(), False
@@ -166,7 +170,9 @@ class Process:
             if self._running is None or not self._running.alive:
                 if self._running is not None:
                     self._running.kill()
-                self._running = _Running(self._module, self._settings, self._memory_limit)
+                self._running = _Running(
+                    self._module, self._settings, self._memory_limit, self._variables
+                )
             return self._running
 
     def rest(self) -> None:
@@ -229,12 +235,15 @@ class Process:
 class _Running:
     """A started process and the lines that it wrote."""
 
-    def __init__(self, module: str, settings: Struct, memory_limit: int) -> None:
+    def __init__(
+        self, module: str, settings: Struct, memory_limit: int, variables: Mapping[str, str]
+    ) -> None:
         self._lines: Queue[bytes | None] = Queue()
         started: Queue[subprocess.Popen[bytes] | OSError] = Queue()
         # Linux kills a worker when the thread that started it ends. The thread that reads from the
         # worker lives exactly as long as it is needed.
-        host = threading.Thread(target=_host, args=(module, started, self._lines), daemon=True)
+        arguments = module, variables, started, self._lines
+        host = threading.Thread(target=_host, args=arguments, daemon=True)
         host.start()
         process = started.get()
         if isinstance(process, OSError):
@@ -307,6 +316,7 @@ class _Running:
 
 def _host(
     module: str,
+    variables: Mapping[str, str],
     started: Queue[subprocess.Popen[bytes] | OSError],
     lines: Queue[bytes | None],
 ) -> None:
@@ -317,6 +327,7 @@ def _host(
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             start_new_session=True,
+            env={**os.environ, **variables},
         )
     except OSError as error:
         started.put(error)

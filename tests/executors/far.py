@@ -25,10 +25,11 @@ class Act(Struct, frozen=True, tag=True):
 
 
 class Done(Struct, frozen=True, tag=True):
-    """The answer, and the process that gave it."""
+    """The answer, the process that gave it, and the threads that its libraries may start."""
 
     text: str
     pid: int
+    threads: str = ""
 
 
 def far_end(folder: Path) -> Far:
@@ -62,7 +63,7 @@ def begin(settings: Settings, on_step: OnStep) -> Callable[[Act], Done]:
     def answer(request: Act) -> Done:
         on_step(Step("acting", shared=True))
         _act(request, settings.folder)
-        return Done(request.action, os.getpid())
+        return Done(request.action, os.getpid(), os.environ.get("OMP_NUM_THREADS", ""))
 
     return answer
 

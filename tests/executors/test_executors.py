@@ -15,6 +15,7 @@ from oitbench.errors import UsageError
 from oitbench.executors import inventory
 from oitbench.executors.executor import Worker
 from oitbench.executors.places import Place
+from oitbench.workers.cores import usable_cores
 from oitbench.workers.process import WorkerError
 from tests.executors.far import Act, Done, far_end
 
@@ -162,3 +163,10 @@ def test_places_that_do_not_exist_are_refused(tmp_path: Path) -> None:
     for wrong in ("tcp://127.0.0.1:9", "nonsense"):
         with pytest.raises(UsageError, match=f"no Dask scheduler answers at {wrong}"):
             Place(dask=wrong).open(far_end(tmp_path))
+
+
+def test_processes_share_the_cores_among_their_threads(tmp_path: Path) -> None:
+    for count in (1, len(usable_cores()), 8 * len(usable_cores())):
+        with Place(workers=count).open(far_end(tmp_path)) as executor:
+            threads = int(executor.ask(Act("greet"), Done).threads)
+        assert threads == max(1, len(usable_cores()) // count)

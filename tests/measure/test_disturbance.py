@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from oitbench.measure.disturbance import Usage, foreign_share, usable_cores, usage
+from oitbench.measure.disturbance import Usage, foreign_share, usage
+from oitbench.workers.cores import usable_cores
 
 
 @pytest.mark.parametrize(
