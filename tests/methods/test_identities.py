@@ -40,6 +40,7 @@ NOT_PROMISED = {
         "adaptive[nodes=4,memory=fixed]": "",
         "adaptive[nodes=16]": "white_furnace order_independent",
         "adaptive[nodes=16,memory=fixed]": "white_furnace order_independent",
+        "adaptive[nodes=32]": "white_furnace order_independent",
         "depth_layered": "visibility_monotonic",
         "depth_peeling": "visibility_monotonic",
         # With packed opacities, nothing passes an opaque layer.
