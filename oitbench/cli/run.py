@@ -160,12 +160,12 @@ def command(
         given = free_options(suite, context)
         matrix = plan_suite(
             suite, methods, collections, out=out, force=force, timeout=timeout, workers=workers,
-            memory_gib=memory_gib, metrics=metrics, dask=dask or "",
+            memory_gib=memory_gib, metrics=metrics, dask=dask,
         )  # fmt: skip
     else:
         matrix = plan_matrix(
             scenes, methods, preset, size, effects, ssaa, out, collections, seed, force,
-            timeout, workers, memory_gib, truths, shading, views or (MAIN,), metrics, dask or "",
+            timeout, workers, memory_gib, truths, shading, views or (MAIN,), metrics, dask,
         )  # fmt: skip
     if dry_run:
         print_plan(matrix, chosen, verbose)

@@ -90,7 +90,7 @@ def command(
         rows = summary.broken(results)
         if rows:
             terminal.print(summary.broken_table(rows))
-        for line in summary.idle(results):
+        for line in (*summary.idle(results), *summary.without_image(results)):
             click.echo(line)
         click.echo(out / files.JSON)
     sys.exit(1 if any(result.failed for result in results) else 0)

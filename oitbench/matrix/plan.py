@@ -173,7 +173,7 @@ def plan_matrix(
     shading: Sequence[str] = (),
     views: Sequence[str] = (MAIN,),
     metrics: Iterable[Path | str] = (),
-    dask: str = "",
+    dask: str | None = None,
 ) -> Matrix:
     """Check a request and expand it to cells.
 
@@ -221,7 +221,7 @@ def plan_matrix(
     grids = chosen.grids if ssaa is None else (ssaa,)
     if min(*size, *grids) < 1:
         raise UsageError(f"size {size[0]}x{size[1]} and ssaa {min(grids)} must be at least 1")
-    place = Place(workers, dask, memory_gib)
+    place = Place(workers, dask or "", memory_gib)
     for truth in truths:
         if truth not in TRUTHS:
             raise unknown("truth", truth, list(TRUTHS))

@@ -27,8 +27,6 @@ from oitbench.results.times import DISTURBED, Block, PassTime, Processor, Time
 
 OPAQUE_PICTURE = "opaque picture"
 """Name of the part of shading that is timed by itself."""
-LONG = 1.0
-"""Seconds of a frame that is timed once for itself and its passes."""
 _Kind = Literal["method", "passes", "opaque", "shading", "stages"]
 _Task = tuple[_Kind, Hashable]
 
@@ -164,7 +162,7 @@ class _TimedMethod:
         start = self.now()
         sample = time_method(self.frame, self.clock)
         if self.long is None:
-            self.long = self.now() - start > LONG
+            self.long = self.now() - start > rounds.SLOW
         return sample
 
     def passes(self) -> Parts | None:

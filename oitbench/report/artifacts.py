@@ -307,9 +307,10 @@ def writing_to(folder: Path) -> Iterator[None]:
 def write_csv(path: Path, heading: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
     """Write a CSV file in an existing folder; None becomes an empty field.
 
-    Texts that a spreadsheet would take for formulas begin with an apostrophe.
+    Texts that a spreadsheet would take for formulas begin with an apostrophe. Bytes of file names
+    that are not UTF-8 become escapes.
     """
-    with path.open("w", newline="", encoding="utf-8") as file:
+    with path.open("w", newline="", encoding="utf-8", errors="backslashreplace") as file:
         writer = csv.writer(file)
         writer.writerow(map(shielded, heading))
         writer.writerows([shielded(value) for value in row] for row in rows)

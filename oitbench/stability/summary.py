@@ -76,8 +76,9 @@ def _held(results: Iterable[CheckResult]) -> Text:
 def broken(results: Iterable[CheckResult]) -> list[Row]:
     """Return one row for each identity and each hard case that breaks, and each unstable picture.
 
-    Variants of a method that break the same are one row, that of the variant with the largest error
-    relative to its bound. Promises and faults come first.
+    Checks without an image are left to `without_image`. Variants of a method that break the same
+    are one row, that of the variant with the largest error relative to its bound. Promises and
+    faults come first.
     """
     groups: dict[tuple[str, str, Verdict], list[CheckResult]] = {}
     for result in results:
@@ -89,9 +90,9 @@ def broken(results: Iterable[CheckResult]) -> list[Row]:
 
 
 def _verdict(result: CheckResult) -> Verdict | None:
-    if result.unstable or (result.applies and result.reason):
+    if result.unstable:
         return "fault"
-    if result.status != BREAKS:
+    if result.status != BREAKS or result.reason:
         return None
     if result.promised:
         return "promise broken"
@@ -108,7 +109,7 @@ def _row(own: Sequence[CheckResult], verdict: Verdict) -> Row:
     more = f" +{len(own) - 1}" if len(own) > 1 else ""
     expected, found = _number(worst.expected), _number(worst.found)
     if verdict == "fault":
-        expected, found = "", worst.reason or ", ".join(_instabilities(worst))
+        expected, found = "", ", ".join(_instabilities(worst))
     elif worst.in_mean:
         found += " in the mean"
     allowed = "" if verdict == "fault" else _number(worst.allowed)
@@ -157,6 +158,12 @@ def _reason(results: Sequence[CheckResult]) -> str:
     return max(reasons, key=reasons.count)
 
 
+def without_image(results: Iterable[CheckResult]) -> list[str]:
+    """Return one line for each variant and each reason why checks have no image."""
+    own = by_method(results)
+    return [f"{method}: {line}" for method, its in own.items() for line in _without_image(its)]
+
+
 def faults(results: Sequence[CheckResult]) -> list[str]:
     """Return the faults of a variant in words.
 
@@ -168,16 +175,22 @@ def faults(results: Sequence[CheckResult]) -> list[str]:
         for result in results
         if result.promise_broken and not result.reason
     ]
-    without_image: dict[str, list[str]] = {}
-    for result in results:
-        if result.applies and result.reason:
-            without_image.setdefault(result.reason, []).append(result.check)
-    for reason, names in without_image.items():
-        where = names[0] if len(names) == 1 else f"{len(names)} checks"
-        found.append(f"no image for {where}: {reason}")
+    found += _without_image(results)
     for result in results:
         found += [f"{result.check}: {text}" for text in _instabilities(result)]
     return found
+
+
+def _without_image(results: Iterable[CheckResult]) -> list[str]:
+    """Return one line for each reason why checks of a variant have no image."""
+    reasons: dict[str, list[str]] = {}
+    for result in results:
+        if result.applies and result.reason:
+            reasons.setdefault(result.reason, []).append(result.check)
+    return [
+        f"no image for {names[0] if len(names) == 1 else f'{len(names)} checks'}: {reason}"
+        for reason, names in reasons.items()
+    ]
 
 
 def _error(result: CheckResult) -> str:

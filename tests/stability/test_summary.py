@@ -79,6 +79,13 @@ def test_faults_are_described(case: Case) -> None:
 def test_a_reason_is_stated_once() -> None:
     results = [made_up(name, BREAKS, reason="does not compile") for name in ("one", "two")]
     assert summary.faults(results) == ["no image for 2 checks: does not compile"]
+    other = msgspec.structs.replace(results[0], method="other")
+    idle = made_up("scatter", DOES_NOT_APPLY, reason="not random")
+    assert summary.without_image([*results, other, idle, made_up("three", BREAKS, **ERROR)]) == [
+        "some[k=2]: no image for 2 checks: does not compile",
+        "other: no image for one: does not compile",
+    ]
+    assert summary.broken(results) == []
 
 
 def test_variants_that_did_not_run_are_listed() -> None:
@@ -105,7 +112,6 @@ VALUES = {"error": 0.5, "allowed": 0.01, "expected": 0.25, "found": 0.75}
             {**VALUES, "error": None, "found": None},
             ("0.25", "not finite", "0.01", "hard case"),
         ),
-        ({"reason": "no shader"}, ("", "no shader", "", "fault")),
         ({**VALUES, "nonfinite": Nonfinite(nan=2)}, ("", "2 NaN pixels", "", "fault")),
     ],
 )

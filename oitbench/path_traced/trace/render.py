@@ -133,7 +133,7 @@ class Tracer:
         self._scene = scene.resolved(tracing.size[1] * tracing.ssaa).near_origin()
         self._mitsuba = llvm.load(variant)
         width, height = (side * tracing.ssaa for side in tracing.size)
-        self._view = View(scene.camera, width, height)
+        self._view = View(self._scene.camera, width, height)
         self._content, self._make = prepare(self._scene, self._view, self._mitsuba, tracing.seed)
 
     def section(self, number: int, progress: Progress | None = None) -> Section:
