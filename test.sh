@@ -15,5 +15,5 @@ check ruff format --check .
 check ruff check .
 check mypy
 check lint-imports --no-cache
-check pytest "$@"
+check pytest -n auto --dist loadfile "$@"
 exit "$failed"
