@@ -88,8 +88,8 @@ def draw(panes: Sequence[Pane], path: Path, *, x: str, title: str, caption: str)
         Label of the horizontal axis, with its unit.
     title, caption : str
     """
-    across = min(_ACROSS, len(panes))
-    down = math.ceil(len(panes) / across)
+    down = math.ceil(len(panes) / _ACROSS)
+    across = math.ceil(len(panes) / down)
     with figures.canvas(figures.WIDTH, _HEIGHT * down + 0.85) as figure:
         grid = figure.subplots(down, across, sharex=True, sharey=True, squeeze=False).ravel()
         _set_scales(grid[0], [point for pane in panes for point in pane.points])
