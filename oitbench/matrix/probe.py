@@ -60,6 +60,7 @@ def probe_truths(scene: Scene, cell: Cell, folders: Sequence[Path]) -> TruthsPro
     folders : sequence of Path
         Folders of collections.
     """
+    from oitbench.path_traced.export.checks import require_traceable
     from oitbench.path_traced.references.lookup import find_finished
     from oitbench.path_traced.references.wanted import Wanted
 
@@ -71,6 +72,8 @@ def probe_truths(scene: Scene, cell: Cell, folders: Sequence[Path]) -> TruthsPro
         wanted = Wanted(scene, cell.scene, cell.traced_size, cell.ssaa, kind, chosen, cell.view)
         try:
             reference = find_finished(wanted, folders)
+            if reference is None:
+                require_traceable(scene)
         except OitbenchError:
             continue
         if reference is None:

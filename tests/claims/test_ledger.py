@@ -52,7 +52,7 @@ def test_files_are_read_in_the_order_of_their_names(tmp_path: Path) -> None:
         ('"flip"', '"flop"', "unknown quantity 'flop'"),
         ("most = 1", "", "give one of least"),
         ('kind = "value"', 'kind = "guess"', "guess"),
-        ("said", "told", "told"),
+        ("said", "stated", "stated"),
         ('"mine"', '"Mine = 1"', "claim"),
         ("[[source]]", "[[", "a.toml"),
     ],

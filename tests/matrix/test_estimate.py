@@ -109,6 +109,18 @@ def test_truths_that_are_missing_are_counted_and_not_rendered(
     assert not (tmp_path / "cache" / "oitbench").exists()
 
 
+def test_truths_that_cannot_be_traced_are_not_missing(tmp_path: Path) -> None:
+    matrix = plan_matrix(
+        ["fragment_lists[width=8,height=8]"],
+        METHODS[:1],
+        preset="guard",
+        size=(8, 8),
+        truths=("matched",),
+        out=tmp_path / "out",
+    )
+    assert estimate(matrix).missing == {}
+
+
 def test_scenes_that_cannot_be_drawn_are_named(plugins: Path, tmp_path: Path) -> None:
     matrix = plan_matrix(
         ["calm", "crasher"], ["weighted_sum", "broken"], preset="guard", size=(8, 8), out=tmp_path,
