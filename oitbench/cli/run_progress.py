@@ -99,7 +99,8 @@ class RunProgress:
         """Return the time left in words, and show it."""
         seconds = self._forecast.left()
         text = f"{duration(seconds)} left" if seconds else ""
-        self._bar.update(self._task, left=text)
+        # Each finished cell is drawn at once, also where cells are faster than the display.
+        self._bar.update(self._task, left=text, refresh=True)
         return text
 
     def _print(self, text: str) -> None:
