@@ -8,6 +8,7 @@ from importlib import resources
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from oitbench.report import fonts
 from oitbench.report.artifacts import Figure
 
 if TYPE_CHECKING:
@@ -37,6 +38,7 @@ def canvas(width: float, height: float, *, by_hand: bool = False) -> Iterator[Ca
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure as Canvas
 
+    fonts.add_family()
     look = resources.files("oitbench.report") / "look.mplstyle"
     with resources.as_file(look) as path, matplotlib.style.context(path):
         figure = Canvas(
@@ -52,9 +54,10 @@ def save(figure: Canvas, path: Path, *, title: str, caption: str) -> Figure:
     """Write a figure to `path` with the suffixes .png and .pdf, and return it for the page."""
     path.parent.mkdir(parents=True, exist_ok=True)
     png, pdf = path.with_name(path.name + ".png"), path.with_name(path.name + ".pdf")
-    figure.draw_without_rendering()
-    # Both files use the same layout, which is computed once.
-    figure.set_layout_engine("none")
+    if figure.get_layout_engine() is not None:
+        # Both files use the same layout, which is computed once.
+        figure.draw_without_rendering()
+        figure.set_layout_engine("none")
     figure.savefig(png)
     # A file with a date would differ between runs with equal results.
     figure.savefig(pdf, metadata={"CreationDate": None})

@@ -1,19 +1,25 @@
-"""The sections of the page; a worker builds them, so that a faulty report costs only its own."""
+"""The sections of the page; workers build them, so that a faulty report costs only its own."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import ExitStack
 from dataclasses import dataclass, field
 from pathlib import Path
+from queue import SimpleQueue
 
 from oitbench.errors import OitbenchError
 from oitbench.report.context import ReportContext
 from oitbench.report.worker import LAST, BuildSection, SectionBuilt, Settings
 from oitbench.workers import memory
+from oitbench.workers.cores import usable_cores
 from oitbench.workers.process import Process
 
 SECONDS = 600.0
 """Time in which each section must be built by default."""
+_MOST_WORKERS = 8
+"""Each worker reads all results, so that more of them gain little."""
 
 
 @dataclass(frozen=True)
@@ -60,13 +66,27 @@ def build_sections(
     timeout : float, optional
         Seconds that one section may take. None: no limit.
     memory_limit : int, optional
-        Bytes that the worker may use. Default: the share of a single worker.
+        Bytes that each worker may use. Default: its share of the machine's.
     """
     crops = {scene: dict(found) for scene, found in context.crops.items()}
     settings = Settings(context.results.folder, context.out, context.hdr, crops)
-    limit = memory.share(1) if memory_limit is None else memory_limit
-    with Process("oitbench.report.worker", settings, SectionBuilt, limit) as worker:
-        sections = [_build(worker, name, path, timeout) for name, path in reports.items()]
+    count = max(1, min(len(usable_cores()), len(reports), _MOST_WORKERS))
+    limit = memory.share(count) if memory_limit is None else memory_limit
+    free: SimpleQueue[Process] = SimpleQueue()
+
+    def build(name: str) -> Section:
+        worker = free.get()
+        try:
+            return _build(worker, name, reports[name], timeout)
+        finally:
+            free.put(worker)
+
+    # Stopped workers end the threads that wait for them, so they are stopped first.
+    with ThreadPoolExecutor(count) as threads, ExitStack() as workers:
+        for _ in range(count):
+            worker = Process("oitbench.report.worker", settings, SectionBuilt, limit, threads=1)
+            free.put(workers.enter_context(worker))
+        sections = list(threads.map(build, reports))
     return sorted(sections, key=lambda section: (section.order, section.name))
 
 
