@@ -33,6 +33,8 @@ _FULL_SIZE = 2
 """Cells that are drawn at their full size, those of the costliest scenes."""
 _TASKS = 2
 """Tasks of a cell in a round: the whole method, and its passes."""
+_LONGEST = 20.0
+"""Seconds that such a cell may be expected to take."""
 _READING_SECONDS = 5.0
 """A run also starts its workers, and reads and writes its folder."""
 
@@ -228,9 +230,10 @@ def _calibrate(
     """
     order = sorted(range(len(samples)), key=lambda k: -drawing[k])
     real, expected, metrics = 0.0, 0.0, []
-    for place in [place for place in order if samples[place].samples][:_FULL_SIZE]:
-        own = samples[place]
-        sample = own.samples[len(own.samples) // 2]
+    for own in [samples[place] for place in order if samples[place].samples][:_FULL_SIZE]:
+        sample = min(own.samples, key=lambda one: abs(one.again - _LONGEST / 2))
+        if sample.again > _LONGEST:
+            continue
         drawn = sampler.draw(sample.cell, sample.cell.size)
         if drawn is not None:
             real += drawn.seconds

@@ -1,7 +1,8 @@
 """Samples of what cells cost: a few of each scene, drawn at two small sizes and extrapolated.
 
 Every part of a cell that depends on its size grows with the number of pixels, so that two sizes
-determine it. A cell that is drawn for the first time also compiles its shaders.
+determine it. A cell that is drawn for the first time also compiles its shaders. A cell that is slow
+even at the smaller size is not drawn at the other one, and grows in proportion.
 """
 
 from __future__ import annotations
@@ -28,6 +29,8 @@ LEAST_SAMPLES, MOST_SAMPLES = 2, 4
 """Cells of each scene that are drawn."""
 _SMALL, _MIDDLE = 4, 2
 """Divisors of the sides of the two small sizes."""
+_SLOW = 4.0
+"""Seconds of a cell at the smaller size beyond which it is not drawn at the other one."""
 _NOT_DRAWING = ("building", "metrics", "references")
 _OWN_BYTES = 20
 """Of the picture and the depth of a frame, for each pixel, which no method accounts for."""
@@ -168,26 +171,39 @@ class Sampler:
         chosen = choose(cells, number, count)
         firsts = self._draw_all(chosen, small)
         agains = self._draw_all(firsts, small)
-        middles = self._draw_all(agains, middle)
-        if not middles:
-            return found
-        # The first one at a size uploads the scene, and draws exact compositing.
-        first = next(iter(middles))
-        uploading, repeated = middles[first], self.draw(first, middle)
-        if repeated is None:
-            return found
-        middles[first] = repeated
-        rounds = self._time(middles, middle) if self.timed else {}
-        for cell, drawn in middles.items():
+        slow = {cell: one for cell, one in agains.items() if one.seconds > _SLOW}
+        middles, shared = self._draw_sharing([cell for cell in agains if cell not in slow], middle)
+        rounds = self._time(middles, middle) | self._time(slow, small) if self.timed else {}
+        for cell, again in agains.items():
             pixels = [math.prod(size) for size in (small, middle, cell.size)]
-            sizes = firsts[cell], agains[cell], drawn
+            sizes = firsts[cell], again, middles.get(cell)
             found.samples.append(_sample(cell, pixels, *sizes, rounds.get(cell, 0.0)))
-        growth = found.samples[0].again / repeated.seconds
-        found.sharing = growth * max(0.0, uploading.seconds - repeated.seconds)
-        _correct_first(found)
-        found.building = max(one.building for one in firsts.values())
-        found.truths = self._truths(cells[0])
+        if found.samples:
+            _correct_first(found)
+            grown = (
+                one.again / middles[one.cell].seconds
+                for one in found.samples
+                if one.cell in middles
+            )
+            found.sharing = shared * next(grown, 0.0)
+            found.building = max(one.building for one in firsts.values())
+            found.truths = self._truths(cells[0])
         return found
+
+    def _draw_sharing(self, cells: list[Cell], size: Size) -> tuple[dict[Cell, Drawn], float]:
+        """Draw cells at a new size, and return also the seconds of what they share there.
+
+        The first cell uploads the scene and draws exact compositing; then it is drawn again.
+        """
+        drawn = self._draw_all(cells, size)
+        if not drawn:
+            return {}, 0.0
+        first = next(iter(drawn))
+        again = self.draw(first, size)
+        if again is None:
+            return {}, 0.0
+        sharing, drawn[first] = drawn[first].seconds - again.seconds, again
+        return drawn, max(0.0, sharing)
 
     def _draw_all(self, cells: Iterable[Cell], size: Size) -> dict[Cell, Drawn]:
         """Draw cells at a size; those that have no picture are left out."""
@@ -196,6 +212,8 @@ class Sampler:
 
     def _time(self, drawn: Mapping[Cell, Drawn], size: Size) -> dict[Cell, float]:
         """Return the seconds of each cell in one round of timing at a size."""
+        if not drawn:
+            return {}
         scored = [
             ScoredCell(msgspec.structs.replace(cell, size=size), one.outcome.plan)
             for cell, one in drawn.items()
@@ -249,9 +267,14 @@ def _correct_first(found: SceneSamples) -> None:
 
 
 def _sample(
-    cell: Cell, pixels: Sequence[int], first: Drawn, again: Drawn, middle: Drawn, round: float
+    cell: Cell,
+    pixels: Sequence[int],
+    first: Drawn,
+    again: Drawn,
+    middle: Drawn | None,
+    round: float,
 ) -> Sample:
-    """Return the costs of a cell at its full size, from two small ones.
+    """Return the costs of a cell at its full size, from one or two small ones.
 
     Parameters
     ----------
@@ -260,12 +283,16 @@ def _sample(
         Of the small, the middle and the full size.
     first, again : Drawn
         At the small size.
-    middle : Drawn
+    middle : Drawn, optional
+        Default: the cell was drawn at the small size alone.
     round : float
-        Seconds in one round of timing at the middle size.
+        Seconds in one round of timing at the larger of its sizes.
     """
+    largest = again if middle is None else middle
 
     def full(cost: Callable[[Drawn], float]) -> float:
+        if middle is None:
+            return cost(again) * pixels[2] / pixels[0]
         return extrapolate(pixels, cost(again), cost(middle))
 
     seconds = full(lambda drawn: drawn.seconds)
@@ -274,8 +301,8 @@ def _sample(
         first=max(0.0, first.seconds - again.seconds),
         again=seconds,
         metrics=full(lambda drawn: drawn.metrics),
-        round=round * seconds / middle.seconds,
-        picture=full(lambda drawn: _bytes(drawn, "color")) + middle.line,
+        round=round * seconds / largest.seconds,
+        picture=full(lambda drawn: _bytes(drawn, "color")) + largest.line,
         flip=full(lambda drawn: _bytes(drawn, flip_image(EXACT))),
         shared=full(lambda drawn: _bytes(drawn, EXACT, COMPLEXITY, TRANSMITTANCE)),
         memory=_OWN_BYTES * pixels[-1] + full(lambda drawn: drawn.outcome.memory.bytes),

@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from oitbench.errors import UsageError
+from oitbench.matrix import sampling
 from oitbench.matrix.cell import Cell
 from oitbench.matrix.estimate import estimate, timing_seconds
 from oitbench.matrix.plan import Matrix, plan_matrix
@@ -91,6 +92,19 @@ def test_the_estimated_disk_space_is_that_of_a_run(tmp_path: Path) -> None:
     written = sum(path.stat().st_size for path in files(out) if path.name != "run.json")
     assert (out / CELLS).is_file()
     assert written / 2 < found.disk < 2 * written
+
+
+def test_a_cell_that_is_slow_at_the_smallest_size_is_drawn_at_no_other(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(sampling, "_SLOW", 0.0)
+    matrix = plan_matrix(SCENES[:1], METHODS, preset="quick", size=(64, 64), out=tmp_path / "out")
+    stages: list[str] = []
+    found = estimate(matrix, lambda labels, stage: stages.append(stage))
+    sizes = {stage.split()[-1] for stage in stages if stage.startswith("probing at")}
+    # Cells of the costliest scenes are drawn at their full size, if they are fast enough there.
+    assert sizes == {"16x16", "64x64"}
+    assert all(0.0 < seconds < math.inf for seconds in found.seconds.values())
 
 
 def test_truths_that_are_missing_are_counted_and_not_rendered(
