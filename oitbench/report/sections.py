@@ -30,6 +30,8 @@ class Section:
         Images that could not be read, one line each.
     pixels : mapping of str to Path
         Scripts with the pixels of its stacks, by their names.
+    figures : tuple of Path
+        Files of its figures: PNG, then PDF, of each.
     error : str
         Why the section could not be built, in one line; then it has no body.
     """
@@ -41,6 +43,7 @@ class Section:
     body: str = ""
     faults: tuple[str, ...] = ()
     pixels: Mapping[str, Path] = field(default_factory=dict)
+    figures: tuple[Path, ...] = ()
     error: str = ""
 
 
@@ -63,7 +66,9 @@ def build_sections(
         Bytes that the worker may use. Default: the share of a single worker.
     """
     crops = {scene: dict(found) for scene, found in context.crops.items()}
-    settings = Settings(context.results.folder, context.out, context.hdr, crops)
+    settings = Settings(
+        context.results.folder, context.out, context.hdr, crops, dict(context.variants)
+    )
     limit = memory.share(1) if memory_limit is None else memory_limit
     with Process("oitbench.report.worker", settings, SectionBuilt, limit) as worker:
         sections = [_build(worker, name, path, timeout) for name, path in reports.items()]
@@ -77,4 +82,7 @@ def _build(worker: Process, name: str, path: Path, timeout: float | None) -> Sec
         text = str(error)
         return Section(name, name, error=text if str(path) in text else f"{path}: {text}")
     faults = tuple(built.faults)
-    return Section(name, built.title, built.doc, built.order, built.body, faults, built.pixels)
+    return Section(
+        name, built.title, built.doc, built.order, built.body, faults, built.pixels,
+        tuple(built.figures),
+    )  # fmt: skip

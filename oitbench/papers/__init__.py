@@ -1,0 +1,25 @@
+"""The figures of papers, redrawn from results: pictures in rows, and what of them reproduced.
+
+A figure is a report with `needs`, the cells that it shows. `reports/papers/PAPER.toml` lists the
+figures of a paper, and why some are not drawn.
+"""
+
+from __future__ import annotations
+
+from oitbench.papers.album import Album
+from oitbench.papers.caption import Finding, alike, caption, nearer, unlike
+from oitbench.papers.picture import Picture, needs_of
+from oitbench.papers.plate import Row, plate
+
+__all__ = [
+    "Album",
+    "Finding",
+    "Picture",
+    "Row",
+    "alike",
+    "caption",
+    "nearer",
+    "needs_of",
+    "plate",
+    "unlike",
+]
