@@ -12,8 +12,8 @@ from oitbench.claims.ledger import Claim
 from oitbench.claims.observations import Identity, Untestable
 from oitbench.claims.trial import Trial
 from oitbench.errors import DeclarationError
-from oitbench.parameters import parse
 from oitbench.papers.listing import figures_of, read_papers
+from oitbench.parameters import parse
 from oitbench.places import own_folder
 from oitbench.stability import suite
 from oitbench.views import MAIN
