@@ -6,20 +6,26 @@ figures of a paper, and why some are not drawn.
 
 from __future__ import annotations
 
+from oitbench.papers import curves
 from oitbench.papers.album import Album
-from oitbench.papers.caption import Finding, alike, caption, nearer, unlike
+from oitbench.papers.caption import Finding, alike, caption, faithful, nearer, unlike
+from oitbench.papers.listing import Paper, read_paper
 from oitbench.papers.picture import Picture, needs_of
 from oitbench.papers.plate import Row, plate
 
 __all__ = [
     "Album",
     "Finding",
+    "Paper",
     "Picture",
     "Row",
     "alike",
     "caption",
+    "curves",
+    "faithful",
     "nearer",
     "needs_of",
     "plate",
+    "read_paper",
     "unlike",
 ]

@@ -19,7 +19,7 @@ from oitbench.parameters import parse
 from oitbench.report.context import ReportContext
 from oitbench.report.plates import display, note, why_no_truth
 from oitbench.results.pictures import PICTURE
-from oitbench.results.schema import Record
+from oitbench.results.schema import Outcome, Record
 
 _Grid = tuple[tuple[int, int], int]
 """Size in pixels and side of the sub-pixel grid of a cell."""
@@ -64,6 +64,11 @@ class Album:
         record = self._records.get(self._stored(picture.need))
         return record if record is not None and record.finished else None
 
+    def outcome(self, picture: Picture) -> Outcome | None:
+        """Return all that was measured of the cell of a picture, or None."""
+        record = self.record(picture)
+        return record.outcome if record else None
+
     def image(self, picture: Picture) -> Image | None:
         """Return what a picture shows, linear, (h, w, 3); None if the results lack it."""
         record = self.record(picture)
@@ -80,8 +85,8 @@ class Album:
 
     def stops(self, picture: Picture) -> float:
         """Return the exposure of a picture that the results have."""
-        record = self.record(picture)
-        return record.outcome.exposure if record and record.outcome else 0.0
+        outcome = self.outcome(picture)
+        return outcome.exposure if outcome else 0.0
 
     def why(self, picture: Picture) -> str:
         """Return why there is no picture, in one line."""

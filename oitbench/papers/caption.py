@@ -54,6 +54,14 @@ def nearer(
     return Finding(f"{text} (FLIP {fixed(error, 4)} against {against})", error < min(known))
 
 
+def faithful(album: Album, picture: Picture, truth: str, text: str) -> Finding:
+    """Return whether the error of a picture against a truth is at most `ALIKE`."""
+    error = album.error(picture, truth)
+    if error is None:
+        return Finding(text, None)
+    return Finding(f"{text} (FLIP {fixed(error, 4)})", error <= ALIKE)
+
+
 def alike(album: Album, picture: Picture, other: Picture, text: str) -> Finding:
     """Return whether two pictures look the same: their FLIP is at most `ALIKE`."""
     return _apart(album, picture, other, text, True)

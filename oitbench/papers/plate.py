@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
 FACTOR = 8
 """Of differences from another picture."""
+_DIFFERENCE = f"difference ×{FACTOR}"
 _WIDEST, _BLANK = 3.1, 0.95
 # Inches: between pictures, the room for a line above or below a picture, and for a row's name.
 _GAP, _LINE, _SIDE = 0.06, 0.15, 0.2
@@ -38,7 +39,7 @@ class Row:
     pictures : sequence of Picture or None
         None leaves a place empty.
     name : str
-        Written along the left edge.
+        Written along the left edge. Default: none, or that the row shows differences.
     against : Picture, optional
         Show the difference of the displayed colors from this picture, times `FACTOR`.
     score : str
@@ -52,6 +53,11 @@ class Row:
     against: Picture | None = None
     score: str = ""
     marks: Sequence[str] = ()
+
+    @property
+    def side(self) -> str:
+        """The text along the left edge."""
+        return self.name or (_DIFFERENCE if self.against else "")
 
 
 @dataclass(frozen=True)
@@ -79,7 +85,7 @@ def plate(album: Album, rows: Sequence[Row], name: str, *, title: str, caption: 
         Of the files, in the folder of the page.
     title, caption : str
     """
-    side = _SIDE if any(row.name for row in rows) else 0.0
+    side = _SIDE if any(row.side for row in rows) else 0.0
     count = max(len(row.pictures) for row in rows)
     width = min(_WIDEST, (figures.WIDTH - 2 * MARGIN - side) / count - _GAP)
     shown = [[_shown(album, row, picture) for picture in row.pictures] for row in rows]
@@ -91,7 +97,7 @@ def plate(album: Album, rows: Sequence[Row], name: str, *, title: str, caption: 
     across = 2 * MARGIN + side + count * (width + _GAP)
     with figures.canvas(across, top + MARGIN, by_hand=True) as canvas:
         for row, images, box in zip(rows, shown, boxes, strict=True):
-            _write_name(canvas, row.name, box)
+            _write_name(canvas, row.side, box)
             for place, (picture, image) in enumerate(zip(row.pictures, images, strict=True)):
                 if picture is not None:
                     left = MARGIN + side + place * (width + _GAP)
