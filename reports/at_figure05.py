@@ -27,9 +27,10 @@ needs = needs_of(PICTURES)
 def build(context: ReportContext) -> list[Artifact]:
     """Draw the scene, a part of it, and the differences from all fragments."""
     album = Album(context, needs)
+    nearest = "underestimates are nearer to exact compositing than"
     said = (
-        nearer(album, UNDER, (OVER,), EXACT, "underestimates are nearer than overestimates"),
-        nearer(album, UNDER, (BEST,), EXACT, "and nearer than choosing at each node"),
+        nearer(album, UNDER, (OVER,), EXACT, f"{nearest} overestimates"),
+        nearer(album, UNDER, (BEST,), EXACT, f"{nearest} choosing at each node"),
     )
     shown = "FLIP is against exact compositing, and differences are from the uncompressed picture."
     text = caption(album, shown, said)

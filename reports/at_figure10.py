@@ -40,8 +40,8 @@ def build(context: ReportContext) -> list[Artifact]:
     """Draw a line for each technique, with one and four samples per pixel."""
     album = Album(context, needs)
     points = {key: _points(album, pictures) for key, pictures in PICTURES.items()}
-    # A line needs two scenes.
-    lines = {key: np.polyfit(*found, 1) for key, found in points.items() if len(found[0]) > 1}
+    # A line needs two numbers of fragments.
+    lines = {key: np.polyfit(*found, 1) for key, found in points.items() if len({*found[0]}) > 1}
     if not lines:
         return [Note("The results have fewer than two scenes of this figure.")]
     end = max(max(found[0]) for found in points.values() if found[0])

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from oitbench.image.files import Image
-from oitbench.papers.plate import FACTOR, difference
+from oitbench.papers.plates import FACTOR, difference
 from oitbench.report import Artifact, Figure, Note, ReportContext, figures, plates
 from oitbench.results.records import Panel
 from oitbench.results.schema import Record

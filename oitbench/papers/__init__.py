@@ -8,10 +8,10 @@ from __future__ import annotations
 
 from oitbench.papers import curves
 from oitbench.papers.album import Album
-from oitbench.papers.caption import Finding, alike, caption, faithful, nearer, unlike
+from oitbench.papers.captions import Finding, alike, caption, faithful, nearer, unlike
 from oitbench.papers.listing import Paper, read_paper
 from oitbench.papers.picture import Picture, needs_of
-from oitbench.papers.plate import Row, plate
+from oitbench.papers.plates import Row, plate
 
 __all__ = [
     "Album",

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from oitbench.papers.plate import difference
+from oitbench.papers.plates import difference
 from oitbench.plugins import Collection
 from oitbench.report import Figure, Note
 from tests.report.made_up import context, finished, unfinished
