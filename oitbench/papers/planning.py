@@ -135,9 +135,10 @@ def check_results(catalog: Catalog, results: Results, report: str, paper: str, o
     size = "{}x{}".format(*max(sizes)) if sizes else ""
     command = ["oitbench", "reproduce", paper, "--figure", report, "--out", str(out)]
     command += ["--size", size] if size else []
+    count, it = ("1 cell", "it") if len(lacking) == 1 else (f"{len(lacking)} cells", "them")
     raise UsageError(
-        f"{report} needs {len(lacking)} cells that {out} lacks: {named}{more}; "
-        f"make them with: {shlex.join(command)}"
+        f"{report} needs {count} that {out} lacks: {named}{more}; make {it} with:"
+        f" {shlex.join(command)}"
     )
 
 
