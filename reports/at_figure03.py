@@ -1,7 +1,7 @@
 """A visibility curve and its nodes: the light that reaches the eye from each depth of a pixel.
 
 A node, a dot, holds the depth of a fragment and the visibility behind it. The curve is that of a
-pixel of the power plant, measured and not sketched as in the paper.
+pixel of random layers, measured and not sketched as in the paper.
 """
 
 import numpy as np
@@ -12,9 +12,9 @@ from oitbench.report.visibility import steps
 
 title = "Nodes of a visibility curve"
 
-PICTURE = Picture("power_plant", "a_buffer")
-needs = needs_of([PICTURE])
 FRAGMENTS = 7
+PICTURE = Picture(f"fragment_lists[layers={FRAGMENTS},alpha_high=0.5]", "a_buffer")
+needs = needs_of([PICTURE])
 
 
 def build(context: ReportContext) -> list[Artifact]:

@@ -1,8 +1,8 @@
-"""A curve with one node removed: an overestimate, or an underestimate, of the true visibility.
+"""A curve with fewer nodes than fragments: an overestimate, or an underestimate, of the exact one.
 
-Without the node, the curve is too high up to the next one. The method's other way also lowers the
-node before, so that the curve is too low instead, and right behind the last layer. Both are
-measured at a pixel of the power plant, with one node fewer than fragments.
+Without a node, the curve is too high up to the next one. The other way also lowers the node before,
+so that the curve is too low instead, and exact again behind. Both are measured at a pixel of random
+layers, of which four nodes remain.
 """
 
 import numpy as np
@@ -11,13 +11,13 @@ from oitbench.papers import Album, Finding, Picture, caption, curves, needs_of
 from oitbench.report import Artifact, Note, ReportContext, figures
 from oitbench.report.visibility import steps
 
-title = "A removed node: underestimate and overestimate"
+title = "Removed nodes: underestimate and overestimate"
 
-PICTURE = Picture("power_plant", "a_buffer")
-needs = needs_of([PICTURE])
 FRAGMENTS = 7
-UNDER = f"adaptive[nodes={FRAGMENTS - 1},node=precise]"
-OVER = f"adaptive[nodes={FRAGMENTS - 1},removal=over,node=precise]"
+PICTURE = Picture(f"fragment_lists[layers={FRAGMENTS},alpha_high=0.5]", "a_buffer")
+needs = needs_of([PICTURE])
+UNDER = "adaptive[nodes=4,node=precise]"
+OVER = "adaptive[nodes=4,removal=over,node=precise]"
 ROUNDING = 1e-3
 
 

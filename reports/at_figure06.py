@@ -25,7 +25,7 @@ from oitbench.truths import EXACT
 title = "Scenes by six methods"
 
 PAPER = read_paper(Path(__file__).parent / "papers" / "at2011.toml")
-METHODS = ("A-buffer", "AT", "ST", "OSMT", "FOMT", "alpha")
+METHODS = ("A-buffer", "AT", "ST", "OSMT", "FOMT", "alpha blending")
 UNITS = {"nodes": "nodes", "samples": "samples", "slices": "slices", "coefficients": "terms"}
 PICTURES = {
     scene: [PAPER.picture(scene, method, method) for method in METHODS]

@@ -19,9 +19,9 @@ if TYPE_CHECKING:
 title = "Times of methods"
 
 PAPER = read_paper(Path(__file__).parent / "papers" / "at2011.toml")
-BOUNDED = ("alpha", "AT", "ST", "OSMT", "FOMT", "OSMTF", "FOMTF")
+BOUNDED = ("alpha blending", "AT", "ST", "OSMT", "FOMT", "OSMTF", "FOMTF")
 BUFFERS = ("recursive", "iterative")
-NAMES = {"OSMT": "OSMTV", "FOMT": "FOMTV", "alpha": "alpha blending"}
+NAMES = {"OSMT": "OSMTV", "FOMT": "FOMTV"}
 SCENES: Mapping[str, Sequence[str]] = {
     "HAIR": BOUNDED + BUFFERS,
     "FOREST": BOUNDED + BUFFERS,
