@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from oitbench.papers import curves
 from oitbench.papers.album import Album
-from oitbench.papers.captions import Finding, alike, caption, faithful, nearer, unlike
+from oitbench.papers.captions import Finding, alike, caption, darker, even, faithful, nearer, unlike
 from oitbench.papers.listing import Paper, read_paper
 from oitbench.papers.picture import Picture, needs_of
 from oitbench.papers.plates import Row, plate
@@ -22,6 +22,8 @@ __all__ = [
     "alike",
     "caption",
     "curves",
+    "darker",
+    "even",
     "faithful",
     "nearer",
     "needs_of",

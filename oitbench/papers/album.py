@@ -12,7 +12,7 @@ from msgspec.structs import replace
 from oitbench.crops import Crop, of_view
 from oitbench.errors import DeclarationError, unknown
 from oitbench.image import metrics
-from oitbench.image.files import Image
+from oitbench.image.files import Image, box_downsample
 from oitbench.needs import Need
 from oitbench.papers.picture import Picture
 from oitbench.parameters import parse
@@ -105,12 +105,23 @@ class Album:
         return None if record is None else record.metric(truth, self.context.flip)
 
     def distance(self, picture: Picture, other: Picture) -> float | None:
-        """Return mean FLIP of what one picture shows against another, or None."""
-        images = self.image(picture), self.image(other)
-        if images[0] is None or images[1] is None or images[0].shape != images[1].shape:
+        """Return mean FLIP of what one picture shows against another, or None.
+
+        A larger picture is reduced to the size of the other one.
+        """
+        image, reference = self.image(picture), self.image(other)
+        if image is None or reference is None:
+            return None
+        image = reduced(image, reference)
+        if image.shape != reference.shape:
             return None
         measure = metrics.flip_hdr if self.context.hdr else metrics.flip_ldr
-        return measure(images[1], images[0], self.stops(other))
+        return measure(reference, image, self.stops(other))
+
+    def tone(self, picture: Picture) -> float | None:
+        """Return the mean displayed value of what a picture shows, in [0, 1], or None."""
+        shown = self.shown(picture)
+        return None if shown is None else float(np.nanmean(shown))
 
     @property
     def lacking(self) -> list[Need]:
@@ -157,3 +168,10 @@ class Album:
             shading=[record.shading] if record.shading else [], view=record.view,
         )  # fmt: skip
         return self._part(np.asarray(drawn.picture.srgb), picture)
+
+
+def reduced(image: Image, other: Image) -> Image:
+    """Return means of blocks of an image, so that it has the size of another one, if it can."""
+    factor = len(image) // max(1, len(other))
+    fits = image.shape[:2] == tuple(factor * side for side in other.shape[:2])
+    return box_downsample(image, factor) if fits and factor > 1 else image

@@ -11,6 +11,8 @@ from oitbench.report.artifacts import fixed
 
 ALIKE = 0.02
 """Mean FLIP up to which two pictures count as the same to the eye."""
+TONE = 0.04
+"""Difference of mean displayed values up to which two parts count as of one tone."""
 
 
 @dataclass(frozen=True)
@@ -30,7 +32,7 @@ class Finding:
 
 
 def nearer(
-    album: Album, picture: Picture, others: Sequence[Picture], truth: str, text: str
+    album: Album, picture: Picture, others: Sequence[Picture], truth: str | Picture, text: str
 ) -> Finding:
     """Return whether a picture has a lower error against a truth than each of some others.
 
@@ -39,15 +41,19 @@ def nearer(
     album : Album
     picture : Picture
     others : sequence of Picture
-    truth : str
-        Key.
+    truth : str or Picture
+        Key of a truth of each cell, or the picture that shows the truth of another cell.
     text : str
         The statement.
     """
-    error = album.error(picture, truth)
-    known = [
-        found for found in (album.error(other, truth) for other in others) if found is not None
-    ]
+
+    def error_of(shown: Picture) -> float | None:
+        if isinstance(truth, Picture):
+            return album.distance(shown, truth)
+        return album.error(shown, truth)
+
+    error = error_of(picture)
+    known = [found for found in map(error_of, others) if found is not None]
     if error is None or not known:
         return Finding(text, None)
     against = ", ".join(fixed(value, 4) for value in known)
@@ -78,6 +84,24 @@ def _apart(album: Album, picture: Picture, other: Picture, text: str, same: bool
         return Finding(text, None)
     text = f"{text} (FLIP {fixed(distance, 4)} between them)"
     return Finding(text, (distance <= ALIKE) == same)
+
+
+def darker(album: Album, picture: Picture, other: Picture, text: str) -> Finding:
+    """Return whether a picture is darker than another: by more than `TONE`, as displayed."""
+    return _lower(album, picture, other, text, True)
+
+
+def even(album: Album, picture: Picture, other: Picture, text: str) -> Finding:
+    """Return whether a picture is not darker than another."""
+    return _lower(album, picture, other, text, False)
+
+
+def _lower(album: Album, picture: Picture, other: Picture, text: str, lower: bool) -> Finding:
+    tones = album.tone(picture), album.tone(other)
+    if tones[0] is None or tones[1] is None:
+        return Finding(text, None)
+    text = f"{text} (mean displayed value {tones[0]:.2f} against {tones[1]:.2f})"
+    return Finding(text, (tones[1] - tones[0] > TONE) == lower)
 
 
 def caption(album: Album, shown: str, findings: Iterable[Finding] = ()) -> str:

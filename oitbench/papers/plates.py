@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from oitbench.image.files import Image, box_downsample
-from oitbench.papers.album import Album
+from oitbench.image.files import Image
+from oitbench.papers.album import Album, reduced
 from oitbench.papers.picture import Picture
 from oitbench.report import figures
 from oitbench.report.artifacts import Figure, fixed
@@ -118,8 +118,7 @@ def _shown(album: Album, row: Row, picture: Picture | None) -> Image | None:
     other = album.shown(row.against)
     if other is None:
         return None
-    factor = max(1, len(image) // max(1, len(other)))
-    same = box_downsample(image, factor) if factor > 1 else image
+    same = reduced(image, other)
     return difference(same, other) if same.shape == other.shape else None
 
 

@@ -11,6 +11,7 @@ import pytest
 
 from oitbench.errors import DeclarationError
 from oitbench.papers import Album, Picture, needs_of
+from oitbench.papers.album import reduced
 from oitbench.truths import EXACT, MATCHED
 from tests.papers.made_up import context, made
 from tests.report.made_up import SIDE, unfinished
@@ -80,6 +81,15 @@ def test_the_distance_of_equal_pictures_is_zero(tmp_path: Path) -> None:
     assert album.distance(GLOW, MURK) == 0
     assert (album.distance(GLOW, replace(MURK, truth=EXACT)) or 0) > 0.01
     assert album.distance(GLOW, Picture("fog", "none")) is None
+
+
+def test_larger_pictures_are_reduced_for_a_comparison() -> None:
+    large = np.arange(4 * 6 * 3, dtype=np.float32).reshape(4, 6, 3)
+    small = reduced(large, np.zeros((2, 3, 3), np.float32))
+    np.testing.assert_allclose(small[0, 0], large[:2, :2].mean(axis=(0, 1)))
+    assert small.shape == (2, 3, 3)
+    assert reduced(large, np.zeros((2, 4, 3), np.float32)) is large
+    assert reduced(small, large) is small
 
 
 def test_what_is_missing_has_a_reason(tmp_path: Path) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -12,6 +13,8 @@ from oitbench.papers import (
     Picture,
     alike,
     caption,
+    darker,
+    even,
     faithful,
     nearer,
     needs_of,
@@ -59,6 +62,32 @@ def test_faithful_pictures_have_a_small_error(tmp_path: Path) -> None:
     assert faithful(album, MURK, EXACT, "").holds is False
 
 
+@pytest.mark.parametrize(("glow", "murk", "dark"), [(0.5, 0.1, True), (0.1, 0.5, False)])
+def test_tones_are_compared(tmp_path: Path, glow: float, murk: float, dark: bool) -> None:
+    album = album_of(tmp_path, glow, murk)
+    found = darker(album, GLOW, MURK, "glow is darker")
+    tones = [album.tone(picture) for picture in (GLOW, MURK)]
+    assert found.text == (
+        f"glow is darker (mean displayed value {tones[0]:.2f} against {tones[1]:.2f})"
+    )
+    assert found.holds is dark
+    assert even(album, GLOW, MURK, "").holds is not dark
+
+
+def test_tones_that_hardly_differ_are_even(tmp_path: Path) -> None:
+    album = album_of(tmp_path, 0.12, 0.1)
+    assert darker(album, GLOW, MURK, "").holds is False
+    assert even(album, GLOW, MURK, "").holds is True
+
+
+def test_the_truth_of_one_cell_can_judge_another(tmp_path: Path) -> None:
+    album, truth = album_of(tmp_path, 0.2, 0.5), replace(GLOW, truth=EXACT)
+    errors = [album.distance(picture, truth) for picture in (GLOW, MURK)]
+    found = nearer(album, GLOW, [MURK], truth, "glow is nearer")
+    assert found.holds is True
+    assert found.text == f"glow is nearer (FLIP {errors[0]:.4f} against {errors[1]:.4f})"
+
+
 def test_without_pictures_there_is_no_verdict(tmp_path: Path) -> None:
     album = Album(context(tmp_path, [made(tmp_path, NEEDS[0])]), NEEDS)
     found = [
@@ -66,9 +95,10 @@ def test_without_pictures_there_is_no_verdict(tmp_path: Path) -> None:
         nearer(album, GLOW, [MURK], EXACT, "b"),
         alike(album, GLOW, MURK, "c"),
         faithful(album, MURK, EXACT, "d"),
+        darker(album, MURK, GLOW, "e"),
     ]
     assert caption(album, "Fog.", found) == (
-        "Fog. These results cannot tell: a; b; c; d."
+        "Fog. These results cannot tell: a; b; c; d; e."
         " 1 of the 2 cells of this figure are not in these results."
     )
 
