@@ -33,6 +33,12 @@ from oitbench.scene import RGB, Camera, DirectionalLight, Object, Scene, Sprites
 subject = "smoke"
 quick = False
 near = 240.0
+crops = {
+    "center_cloud": (0.28, 0.38, 0.66, 0.36),
+    "lit_side": (0.62, 0.48, 0.1, 0.07),
+    "shaded_side": (0.42, 0.48, 0.1, 0.07),
+    "foot": (0.62, 0.62, 0.1, 0.07),
+}
 parameters = {
     "detail": PARTICLE_DETAIL,
     "alpha": Parameter(

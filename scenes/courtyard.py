@@ -88,6 +88,7 @@ from oitbench.scene.paths import between
 subject = "fog"
 quick = False
 near = 0.1
+crops = {"crown@tree": (0.3, 0.2, 0.4, 0.4)}
 parameters = {
     "detail": DETAIL,
     "extinction": Parameter(0.11, low=0.0, high=10.0, help="extinction of the densest haze, 1/m"),

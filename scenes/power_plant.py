@@ -49,6 +49,7 @@ from oitbench.scene import RGB, WHITE, Camera, Floats, Material, Mesh, Object, S
 subject = "CAD models"
 quick = False
 near = 26.0
+crops = {"pipes@walkway": (0.4, 0.25, 0.35, 0.35)}
 parameters = {
     "detail": DETAIL,
     "alpha": Parameter(0.38, low=0.0, high=1.0, help="coverage of pipes"),

@@ -1,7 +1,7 @@
 """A ball of smoke above a plain, and an opaque cube in it or above it.
 
-Stands for figure 16 (`cube=inside`) and figure 17 (`cube=above`) of McGuire & Mara 2017,
-"Phenomenological Transparency".
+Stands for figure 16 (`cube=inside`) and figure 17 (`cube=away` and `cube=above`) of McGuire &
+Mara 2017, "Phenomenological Transparency".
 
 Parameters
 ----------
@@ -13,7 +13,7 @@ seed : int
     Seed of the particles.
 cube : str
     "inside" for a cube that is partly inside the smoke, "above" for one between the smoke and the
-    sun, whose shadow falls through the smoke.
+    sun, whose shadow falls through the smoke, "away" for one beside the smoke, seen as "above".
 self_shadow : bool
     Whether the smoke receives shadows, of itself and of the cube. Figure 16 shows it with and
     without them.
@@ -62,6 +62,7 @@ class View:
     camera: Camera
 
 
+ABOVE = Camera((1.6, 3.9, 5.6), (0.0, 1.2, 0.0), fov_y=math.radians(34))
 VIEWS = {
     "inside": View(
         # The foot of the cube is in the ground, so that no two surfaces coincide.
@@ -69,16 +70,18 @@ VIEWS = {
         size=(1.15, 1.17, 1.15),
         camera=Camera((-1.9, 2.55, 4.9), (0.22, 0.82, 0.0), fov_y=math.radians(31)),
     ),
-    "above": View(
-        center=(-0.92, 2.62, 0.55),
-        size=(0.62, 0.62, 0.62),
-        camera=Camera((1.6, 3.9, 5.6), (0.0, 1.2, 0.0), fov_y=math.radians(34)),
-    ),
+    "above": View(center=(-0.92, 2.62, 0.55), size=(0.62, 0.62, 0.62), camera=ABOVE),
+    "away": View(center=(1.15, 2.4, -0.1), size=(0.62, 0.62, 0.62), camera=ABOVE),
 }
 subject = "smoke"
 quick = False
 near = 4.0
-crops = {"before_the_box": (0.5, 0.3, 0.3, 0.3)}
+crops = {
+    "before_the_box": (0.5, 0.3, 0.3, 0.3),
+    "sunny_smoke": (0.2, 0.2, 0.14, 0.14),
+    "dark_smoke": (0.36, 0.54, 0.14, 0.14),
+    "shadow_of_the_cube": (0.33, 0.3, 0.2, 0.2),
+}
 parameters = {
     "detail": PARTICLE_DETAIL,
     "alpha": Parameter(
@@ -88,7 +91,7 @@ parameters = {
     "cube": Parameter(
         "inside",
         choices=tuple(VIEWS),
-        help="partly inside the smoke, or between the smoke and the sun",
+        help="partly inside the smoke, between the smoke and the sun, or beside the smoke",
     ),
     "self_shadow": Parameter(True, help="whether the smoke receives shadows"),
 }

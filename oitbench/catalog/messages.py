@@ -9,6 +9,7 @@ from msgspec import Struct
 
 from oitbench.crops import Crop
 from oitbench.method.demands import Demands
+from oitbench.needs import Need
 from oitbench.parameters import AnyParameter
 
 Kind = Literal["method", "scene", "report"]
@@ -87,6 +88,8 @@ class Entry(Struct, frozen=True, tag=True):
         Names of the views of a scene, if it was checked and can be built.
     crops : dict of str to Crop
         Parts of a scene's picture by name.
+    needs : list of Need
+        Cells that a report shows, if it was checked.
     error : str
         Why the plugin cannot be used, in one line; then nothing else is known.
     """
@@ -100,6 +103,7 @@ class Entry(Struct, frozen=True, tag=True):
     no_msaa: str = ""
     views: list[str] = []
     crops: dict[str, Crop] = {}
+    needs: list[Need] = []
     error: str = ""
 
 

@@ -117,7 +117,8 @@ def _report(collection: Collection, name: str, path: Path, check: bool) -> Entry
     """Return the entry of a report; by default its file is only parsed, which is fast."""
     if check:
         collection.places.reports.add(name, path)
-        return Entry(name, _title(collection.reports[name].__doc__))
+        module = collection.reports[name]
+        return Entry(name, _title(module.__doc__), needs=list(getattr(module, "needs", ())))
     try:
         return Entry(name, _title(ast.get_docstring(ast.parse(path.read_bytes()))))
     except (SyntaxError, ValueError, OSError) as error:

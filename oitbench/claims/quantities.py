@@ -13,6 +13,7 @@ from oitbench.errors import UsageError, unknown
 from oitbench.image import metrics
 from oitbench.image.ties import Errors
 from oitbench.motion.record import Track
+from oitbench.report.cells import listed_fragments
 from oitbench.report.families import UNSEEN
 from oitbench.results.schema import Outcome, Record, TrafficTerm
 from oitbench.results.table import MEBIBYTE
@@ -159,10 +160,7 @@ def _moved(
 
 
 def _captured(cell: Record, _: str) -> int | None:
-    """Return the fragments that lists hold: one link is written for each."""
-    terms = cell.outcome.traffic.terms if cell.outcome else []
-    found = (t.items for t in terms if t.resource.endswith(".next") and t.kind == "write")
-    return next(found, None)
+    return None if cell.outcome is None else listed_fragments(cell.outcome)
 
 
 CELLS: Mapping[str, Quantity[Record]] = {

@@ -30,6 +30,7 @@ VERBS = (
     "score",
     "merge",
     "report",
+    "reproduce",
     "submit",
     "choose",
     "compare",

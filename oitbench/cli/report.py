@@ -3,12 +3,20 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from oitbench.cli import options
+from oitbench.errors import DeclarationError, UsageError
 from oitbench.report.sections import SECONDS
+
+if TYPE_CHECKING:
+    from oitbench.catalog.catalog import Catalog
+    from oitbench.crops import Crop
+    from oitbench.papers.listing import Paper
 
 
 @click.command()
@@ -36,7 +44,16 @@ from oitbench.report.sections import SECONDS
     "sections",
     metavar="NAME",
     multiple=True,
-    help="Write this section; `oitbench list reports` prints the names. Repeatable. Default: all.",
+    help="Write this section; `oitbench list reports` prints the names. Repeatable. Default: all"
+    " but the figures of papers.",
+)
+@click.option(
+    "--figure",
+    "figures",
+    metavar="NAME",
+    multiple=True,
+    help="Only draw the figures of this section, and print the paths of their PNG and PDF files."
+    " Repeatable.",
 )
 @options.open_page
 @options.timeout(SECONDS, "Seconds that each section of the page may take.")
@@ -48,6 +65,7 @@ def command(
     single_file: bool,
     markdown: bool,
     sections: tuple[str, ...],
+    figures: tuple[str, ...],
     opens: bool,
     timeout: float | None,
     collections: tuple[Path, ...],
@@ -59,6 +77,7 @@ def command(
     The exit code is 1 if a section is missing because its report failed.
     """
     from oitbench.catalog.catalog import Catalog
+    from oitbench.papers.listing import figures_of, read_papers
     from oitbench.report import write
     from oitbench.report.markdown import tables
     from oitbench.results.records import Results, parts
@@ -70,10 +89,15 @@ def command(
             click.echo(heading + tables(Results.load(folder)), nl=False)
         return
     with Catalog(collections) as catalog:
-        found = catalog.places.reports
+        found, papers = catalog.places.reports, read_papers(catalog.places.folders)
         records = (record for folder in folders for record in Results.load(folder).records)
         crops = catalog.crops(sorted({record.scene.partition("[")[0] for record in records}))
-    reports = {name: found[name] for name in sections or found}
+        if figures:
+            paths = _draw(catalog, folders, papers, figures, out, hdr, crops, timeout)
+            click.echo("\n".join(map(str, paths)))
+            return
+    apart = figures_of(papers.values())
+    reports = {name: found[name] for name in sections or found if sections or name not in apart}
     missing = False
     for folder in folders:
         place = out / folder.name if out is not None and len(folders) > 1 else out
@@ -87,3 +111,39 @@ def command(
             options.show_page(page.path)
         missing |= bool(page.missing)
     sys.exit(1 if missing else 0)
+
+
+def _draw(
+    catalog: Catalog,
+    folders: Sequence[Path],
+    papers: Mapping[str, Paper],
+    names: Sequence[str],
+    out: Path | None,
+    hdr: bool,
+    crops: Mapping[str, Mapping[str, Crop]],
+    timeout: float | None,
+) -> list[Path]:
+    """Draw the figures of some reports alone, and return their files."""
+    from oitbench.papers.planning import check_results
+    from oitbench.report.context import ReportContext
+    from oitbench.report.page import folder_of
+    from oitbench.report.sections import build_sections
+    from oitbench.results.records import Results
+
+    owners = {report: name for name, paper in papers.items() for report in paper.drawn.values()}
+    reports = {name: catalog.path("report", name) for name in names}
+    paths: list[Path] = []
+    for folder in folders:
+        results = Results.load(folder)
+        for name in names:
+            if name in owners:
+                check_results(catalog, results, name, owners[name], folder)
+        place = folder_of(results, out if len(folders) == 1 or out is None else out / folder.name)
+        context = ReportContext(results, place, hdr, crops)
+        for section in build_sections(context, reports, timeout):
+            if section.error:
+                raise DeclarationError(section.error)
+            if not section.figures:
+                raise UsageError(f"{section.name} draws no figure; leave out --figure")
+            paths += section.figures
+    return paths

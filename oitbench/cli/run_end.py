@@ -21,7 +21,7 @@ _SLOWEST = 5
 _WORDS = {"building": "building scenes", "metrics": "metrics", "rest": "rest"}
 
 
-def print_end(out: Path, summary: Summary, quiet: bool = False) -> None:
+def print_end(out: Path, summary: Summary, quiet: bool = False, report: bool = True) -> None:
     """Print the cells that a user should look at, the times, the summary, and the next commands.
 
     Parameters
@@ -31,6 +31,8 @@ def print_end(out: Path, summary: Summary, quiet: bool = False) -> None:
     summary : Summary
     quiet : bool
         Print only what went wrong, and the summary.
+    report : bool
+        Also print the command of the report.
     """
     if summary.warning:
         click.echo(f"disturbed: {summary.warning}", err=True)
@@ -48,7 +50,8 @@ def print_end(out: Path, summary: Summary, quiet: bool = False) -> None:
     if any(not record.finished for record in summary.troubled):
         again = [argument for argument in sys.argv[1:] if argument != "--force"]
         click.echo(f"failed cells again: {shlex.join(['oitbench', *again])}")
-    click.echo(f"next: {shlex.join(['oitbench', 'report', str(out), '--open'])}")
+    if report:
+        click.echo(f"next: {shlex.join(['oitbench', 'report', str(out), '--open'])}")
 
 
 def _print(table: Table) -> None:

@@ -40,6 +40,14 @@ def total_traffic(outcome: Outcome) -> int:
     return outcome.traffic.bytes + outcome.shading.traffic.bytes
 
 
+def listed_fragments(outcome: Outcome) -> int | None:
+    """Return the fragments that lists hold; None if the method has no lists."""
+    # One link is written for each.
+    terms = outcome.traffic.terms
+    found = (t.items for t in terms if t.resource.endswith(".next") and t.kind == "write")
+    return next(found, None)
+
+
 def effect_label(name: str) -> str:
     """Return the name of an effect as readers see it, such as "colored shadows"."""
     words = name.lower().split("_")

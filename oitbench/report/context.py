@@ -31,12 +31,15 @@ class ReportContext:
         viewer.
     crops : mapping of str to mapping of str to Crop
         Parts of pictures by the name of a scene, as its file states them.
+    variants : mapping of str to str
+        Methods that figures of this page show instead of others, by the labels of those.
     """
 
     results: Results
     out: Path
     hdr: bool = False
     crops: Mapping[str, Mapping[str, Crop]] = field(default_factory=dict)
+    variants: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def flip(self) -> str:

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from oitbench.crops import Crop
-from oitbench.report.artifacts import writing_to
+from oitbench.report.artifacts import Note, writing_to
 from oitbench.report.cells import effect_labels
 from oitbench.report.context import ReportContext
 from oitbench.report.sections import SECONDS, Section, build_sections
@@ -24,6 +24,30 @@ VIEWER = (
     "input", "viewer",
 )  # fmt: skip
 """Scripts of the viewer in `viewer/`, in the order in which the page has them."""
+
+
+HEADING = "Order-independent transparency: accuracy and cost"
+
+
+@dataclass(frozen=True)
+class Edition:
+    """What a page of chosen reports has of its own.
+
+    Parameters
+    ----------
+    heading : str
+    numbers : mapping of str to str
+        What stands before the title of each section, by the names of reports in their order.
+    variants : mapping of str to str
+        See `ReportContext`.
+    remarks : mapping of str to str
+        Lines of a last section by what they are about.
+    """
+
+    heading: str
+    numbers: Mapping[str, str]
+    variants: Mapping[str, str] = field(default_factory=dict)
+    remarks: Mapping[str, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -51,6 +75,7 @@ def write(
     single_file: bool = False,
     crops: Mapping[str, Mapping[str, Crop]] | None = None,
     timeout: float | None = SECONDS,
+    edition: Edition | None = None,
 ) -> Page:
     """Build all reports, and write them as one page.
 
@@ -73,6 +98,8 @@ def write(
         Parts of pictures by the name of a scene.
     timeout : float, optional
         Seconds that one section may take. None: no limit.
+    edition : Edition, optional
+        Default: the page of all results.
 
     Raises
     ------
@@ -80,12 +107,14 @@ def write(
         If there are no results, or the folder of the page cannot be written to.
     """
     results = Results.load(results_folder)
-    out = Path(out_folder) if out_folder is not None else results.folder / "report"
-    context = ReportContext(results, out, hdr, crops or {})
+    out = folder_of(results, out_folder)
+    context = ReportContext(results, out, hdr, crops or {}, edition.variants if edition else {})
     page = out / "index.html"
     with writing_to(out):
         sections = build_sections(context, reports, timeout)
-        text = _render(context, sections)
+        if edition is not None:
+            sections = _edited(context, sections, edition)
+        text = _render(context, sections, edition.heading if edition else HEADING)
         scripts = {name: path for section in sections for name, path in section.pixels.items()}
         # Texts may hold names of files that are not UTF-8.
         with page.open("w", encoding="utf-8", errors="backslashreplace", newline="") as file:
@@ -93,7 +122,27 @@ def write(
     return Page(page, tuple(section.error for section in sections if section.error))
 
 
-def _render(context: ReportContext, sections: Sequence[Section]) -> str:
+def folder_of(results: Results, out_folder: Path | str | None) -> Path:
+    """Return the folder of the page; see `write`."""
+    return Path(out_folder) if out_folder is not None else results.folder / "report"
+
+
+def _edited(context: ReportContext, sections: Sequence[Section], edition: Edition) -> list[Section]:
+    """Return the sections in the order of an edition and with its numbers, then its remarks."""
+    found = {section.name: section for section in sections}
+    edited = [
+        replace(found[name], title=f"{number}: {found[name].title}")
+        for name, number in edition.numbers.items()
+        if name in found
+    ]
+    if edition.remarks:
+        notes = [Note(f"{about}: {text}.") for about, text in edition.remarks.items()]
+        body = environment(context).get_template("section.html").render(artifacts=notes)
+        edited.append(Section("remarks", "Not drawn", body=body))
+    return edited
+
+
+def _render(context: ReportContext, sections: Sequence[Section], heading: str) -> str:
     results = context.results
     # "ok" comes first, the other statuses in order of first appearance.
     counts = Counter(ok=0)
@@ -103,6 +152,7 @@ def _render(context: ReportContext, sections: Sequence[Section]) -> str:
         .get_template("index.html")
         .render(
             results=results,
+            heading=heading,
             sections=sections,
             counts={status: count for status, count in counts.items() if count},
             troubled=[record for record in results.records if record.status != "ok"],

@@ -36,6 +36,8 @@ class Section:
         Images that could not be read, one line each.
     pixels : mapping of str to Path
         Scripts with the pixels of its stacks, by their names.
+    figures : tuple of Path
+        Files of its figures: PNG, then PDF, of each.
     error : str
         Why the section could not be built, in one line; then it has no body.
     """
@@ -47,6 +49,7 @@ class Section:
     body: str = ""
     faults: tuple[str, ...] = ()
     pixels: Mapping[str, Path] = field(default_factory=dict)
+    figures: tuple[Path, ...] = ()
     error: str = ""
 
 
@@ -69,7 +72,9 @@ def build_sections(
         Bytes that each worker may use. Default: its share of the machine's.
     """
     crops = {scene: dict(found) for scene, found in context.crops.items()}
-    settings = Settings(context.results.folder, context.out, context.hdr, crops)
+    settings = Settings(
+        context.results.folder, context.out, context.hdr, crops, dict(context.variants)
+    )
     count = max(1, min(len(usable_cores()), len(reports), _MOST_WORKERS))
     limit = memory.share(count) if memory_limit is None else memory_limit
     free: SimpleQueue[Process] = SimpleQueue()
@@ -97,4 +102,7 @@ def _build(worker: Process, name: str, path: Path, timeout: float | None) -> Sec
         text = str(error)
         return Section(name, name, error=text if str(path) in text else f"{path}: {text}")
     faults = tuple(built.faults)
-    return Section(name, built.title, built.doc, built.order, built.body, faults, built.pixels)
+    return Section(
+        name, built.title, built.doc, built.order, built.body, faults, built.pixels,
+        tuple(built.figures),
+    )  # fmt: skip

@@ -130,7 +130,7 @@ def _draw_panel(
     """Draw the curves of methods that differ only in parameters, over the exact curve."""
     z = curves.fragments.z[:, 0, 0].astype(np.float64)
     axes.step(
-        *_steps(z, curves.exact),
+        *steps(z, curves.exact),
         where="pre",
         color=_EXACT_COLOR,
         linewidth=2.6,
@@ -138,15 +138,15 @@ def _draw_panel(
         label="exact",
     )
     for label in labels:
-        style, steps = styles[label], _steps(z, curves.methods[label])
+        style, drawn = styles[label], steps(z, curves.methods[label])
         axes.step(
-            *steps, where="pre", color=style.color, linestyle=style.line, linewidth=1.2, label=label
+            *drawn, where="pre", color=style.color, linestyle=style.line, linewidth=1.2, label=label
         )
     if len(labels) > 1:
         axes.legend(fontsize=5.5, frameon=False, loc="upper right")
 
 
-def _steps(z: Floats, values: Floats) -> tuple[Floats, Floats]:
+def steps(z: Floats, values: Floats) -> tuple[Floats, Floats]:
     """Return a curve's view distances and its visibility, averaged over the channels.
 
     The visibility between two layers is that of the farther one, so each step is at the nearer one.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 
 from msgspec import Struct
@@ -11,7 +11,7 @@ from oitbench.crops import Crop
 from oitbench.errors import DeclarationError, OitbenchError, locate, printable
 from oitbench.places import Places
 from oitbench.plugins import Collection
-from oitbench.report.artifacts import Stack, writing_to
+from oitbench.report.artifacts import Artifact, Figure, ImageGrid, Stack, writing_to
 from oitbench.report.context import ReportContext
 from oitbench.report.templates import environment
 from oitbench.results.records import Results
@@ -30,6 +30,7 @@ class Settings(Struct, frozen=True):
     out: Path
     hdr: bool
     crops: dict[str, dict[str, Crop]]
+    variants: dict[str, str]
 
 
 class BuildSection(Struct, frozen=True, tag=True):
@@ -42,8 +43,8 @@ class BuildSection(Struct, frozen=True, tag=True):
 class SectionBuilt(Struct, frozen=True, tag=True):
     """The section: `body` is HTML, and sections are sorted by `order`.
 
-    `faults` says in one line each which images could not be read so far, and `pixels` are the
-    scripts of its stacks by their names.
+    `faults` says in one line each which images could not be read so far, `pixels` are the scripts
+    of its stacks by their names, and `figures` the PNG and the PDF file of each figure.
     """
 
     title: str
@@ -52,12 +53,13 @@ class SectionBuilt(Struct, frozen=True, tag=True):
     body: str
     faults: list[str]
     pixels: dict[str, Path]
+    figures: list[Path]
 
 
 def _begin(settings: Settings, on_step: OnStep) -> Callable[[BuildSection], SectionBuilt]:
     collection = Collection(Places())
     results = Results.load(settings.results)
-    context = ReportContext(results, settings.out, settings.hdr, settings.crops)
+    context = ReportContext(results, settings.out, settings.hdr, settings.crops, settings.variants)
     template = environment(context).get_template("section.html")
 
     def answer(request: BuildSection) -> SectionBuilt:
@@ -78,6 +80,7 @@ def _begin(settings: Settings, on_step: OnStep) -> Callable[[BuildSection], Sect
                 body.encode(errors="backslashreplace").decode(),
                 list(map(printable, results.faults)),
                 {item.name: item.pixels for item in artifacts if isinstance(item, Stack)},
+                list(_files(artifacts)),
             )
         except OitbenchError:
             raise
@@ -85,6 +88,13 @@ def _begin(settings: Settings, on_step: OnStep) -> Callable[[BuildSection], Sect
             raise DeclarationError(locate(error, path)) from error
 
     return answer
+
+
+def _files(artifacts: Iterable[Artifact]) -> Iterator[Path]:
+    for item in artifacts:
+        figure = item.figure if isinstance(item, ImageGrid | Stack) else item
+        if isinstance(figure, Figure):
+            yield from (figure.png, figure.pdf)
 
 
 def main() -> None:

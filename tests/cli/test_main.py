@@ -27,6 +27,6 @@ def test_an_unknown_command_is_refused_with_a_suggestion(call: Call) -> None:
 
 def test_a_shell_learns_how_a_line_may_go_on(call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("_OITBENCH_COMPLETE", "bash_complete")
-    monkeypatch.setenv("COMP_WORDS", "oitbench rep")
+    monkeypatch.setenv("COMP_WORDS", "oitbench repo")
     monkeypatch.setenv("COMP_CWORD", "1")
     assert call().out.split() == ["plain,report"]

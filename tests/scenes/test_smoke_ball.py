@@ -1,4 +1,4 @@
-"""Smoke ball: particles in random order, and a cube in the smoke or between smoke and sun."""
+"""Smoke ball: particles in random order, and a cube in the smoke, above it or beside it."""
 
 from __future__ import annotations
 
@@ -40,3 +40,9 @@ def test_the_cube_is_in_the_smoke_or_between_smoke_and_sun(cube: str, inside: bo
     if not inside:
         along = middles @ toward_light(scene)
         assert np.ptp(along[shaded]) > 0.8 * np.ptp(along)
+
+
+def test_a_cube_beside_the_smoke_casts_no_shadow_on_it() -> None:
+    scene = build("smoke_ball[cube=away]")
+    (smoke,) = particles(scene)
+    assert (layers_toward_light(scene, named(scene, "cube").mesh, sprite_centers(smoke)) == 0).all()

@@ -1,8 +1,7 @@
 """All methods beside exact compositing, with their differences from it times eight.
 
-Arranged as figure 6 of Salvi et al. 2011, "Adaptive Transparency": a row of pictures for each
-scene, and below each picture |method − exact| of the displayed colors, enhanced by a factor of
-eight and clipped. The number is mean FLIP against exact compositing.
+A row of pictures for each scene, and below each picture |method − exact| of the displayed colors,
+enhanced by a factor of eight and clipped. The number is mean FLIP against exact compositing.
 """
 
 from __future__ import annotations
@@ -12,9 +11,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from oitbench.image.files import Image
+from oitbench.papers.plates import FACTOR, difference
 from oitbench.report import Artifact, Figure, Note, ReportContext, figures, plates
 from oitbench.results.records import Panel
 from oitbench.results.schema import Record
@@ -26,7 +24,6 @@ if TYPE_CHECKING:
 title = "Differences from exact compositing, times eight"
 order = 31
 
-FACTOR = 8
 _ROWS = 4
 """Scenes in one figure."""
 _WIDTH, _WIDEST = 13.0, 2.4
@@ -58,12 +55,6 @@ def _rows(context: ReportContext) -> Iterator[_Row]:
         exact = plates.first_image(context, panel, EXACT)
         if exact is not None:
             yield _Row(panel, exact, {cell.method: cell for cell in panel.finished})
-
-
-def difference(picture: Image, exact: Image, stops: float) -> Image:
-    """Return the difference of the displayed colors times `FACTOR`, clipped to [0, 1]."""
-    apart = plates.display(picture, stops) - plates.display(exact, stops)
-    return np.asarray(np.clip(FACTOR * np.abs(apart), 0, 1))
 
 
 def _figure(context: ReportContext, rows: Sequence[_Row], number: int) -> Figure:
@@ -108,6 +99,7 @@ def _draw_row(
             continue
         plates.draw_picture(canvas, plates.display(picture, stops), left, top, width)
         below = top + tall + _GAP / 2
-        plates.draw_picture(canvas, difference(picture, row.exact, stops), left, below, width)
+        apart = difference(plates.display(picture, stops), plates.display(row.exact, stops))
+        plates.draw_picture(canvas, apart, left, below, width)
         for value in plates.error_text(context, row.cells[label], EXACT):
             plates.write(canvas, value, left, top - 0.03, 6)
