@@ -1,7 +1,7 @@
 """Visibility at one pixel of the smoke by four methods, over the exact curve in gray.
 
 Colors of fragments are stored as floats here, so that they do not change the curves. Stochastic
-transparency shows its mean over random numbers; at a single pixel it also has noise.
+transparency shows its mean over random numbers; its error includes the noise of a single pixel.
 """
 
 from dataclasses import replace
@@ -33,9 +33,9 @@ def build(context: ReportContext) -> list[Artifact]:
         return [Note(f"There are no counts of fragments of {PICTURE.scene} in these results.")]
     found = curves.curves_at(album, PICTURE, pixel, list(METHODS.values()))
     errors = {
-        name: float(np.sqrt(np.nanmean((found.methods[label] - found.exact) ** 2)))
+        name: float(np.sqrt(np.nanmean((curve - found.exact) ** 2 + found.spread(label) ** 2)))
         for name, label in METHODS.items()
-        if label in found.methods
+        if (curve := found.methods.get(label)) is not None
     }
     numbers = ", ".join(f"{name} {error:.4f}" for name, error in errors.items())
     text = f"the curve of AT is nearest to the exact one (RMS error {numbers})"
