@@ -1,0 +1,65 @@
+"""The docstring of a method as paragraphs, formulas and lists of failures.
+
+Blocks that are indented are formulas. Backticks enclose code, and brackets the keys of sources.
+"""
+
+from __future__ import annotations
+
+import re
+import textwrap
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from oitbench.report.bibliography import KEY
+from oitbench.report.method_pages.formula import Span, spans
+
+FAILURES = "Known failures: "
+_INLINE = re.compile(rf"`([^`]+)`|{KEY.pattern}")
+
+
+@dataclass(frozen=True)
+class Block:
+    """A part of a docstring.
+
+    Parameters
+    ----------
+    kind : str
+        `paragraph`, `formula` or `failures`.
+    lines : tuple of tuple of Span
+        A paragraph has one, a formula one for each line, and failures one for each sentence.
+    """
+
+    kind: str
+    lines: tuple[tuple[Span, ...], ...]
+
+
+def title(doc: str) -> str:
+    """Return the first line."""
+    return doc.strip().partition("\n")[0].strip()
+
+
+def blocks(doc: str) -> list[Block]:
+    """Return the parts of a docstring after its title, in their order."""
+    _, _, rest = doc.strip().partition("\n")
+    return [_block(part) for part in re.split(r"\n[ \t]*\n", rest.strip("\n")) if part.strip()]
+
+
+def _block(part: str) -> Block:
+    if all(line.startswith((" ", "\t")) for line in part.splitlines()):
+        lines = textwrap.dedent(part).splitlines()
+        return Block("formula", tuple(tuple(spans(line)) for line in lines))
+    words = " ".join(part.split())
+    if words.startswith(FAILURES):
+        sentences = re.split(r"(?<=[.!?]) (?=[A-Z`])", words.removeprefix(FAILURES))
+        return Block("failures", tuple(tuple(_inline(sentence)) for sentence in sentences))
+    return Block("paragraph", (tuple(_inline(words)),))
+
+
+def _inline(words: str) -> Iterator[Span]:
+    """Yield the parts of a paragraph: text, `code`, and keys of sources."""
+    end = 0
+    for found in _INLINE.finditer(words):
+        yield Span("text", words[end : found.start()])
+        yield Span("code", found[1]) if found[1] else Span("source", found[2])
+        end = found.end()
+    yield Span("text", words[end:])
