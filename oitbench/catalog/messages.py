@@ -132,8 +132,8 @@ class Portrait(Struct, frozen=True, tag=True):
     doc : str
         The docstring.
     family : str
-    parameters : dict of str to str
-        Values and meanings, in one line each.
+    parameters : dict of str to (str, str, str)
+        The value, the choices if there are some, and the meaning.
     promises, expresses : list of str
     demands : Demands
         In a scene that requests all effects that the method shows.
@@ -146,7 +146,7 @@ class Portrait(Struct, frozen=True, tag=True):
     label: str
     doc: str
     family: str
-    parameters: dict[str, str]
+    parameters: dict[str, tuple[str, str, str]]
     promises: list[str]
     expresses: list[str]
     demands: Demands

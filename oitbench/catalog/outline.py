@@ -1,4 +1,4 @@
-"""The declaration of a method as plain data: its storage, its passes, and which passes use which."""
+"""The declaration of a method as plain data: its storage, its passes, and how these use it."""
 
 from __future__ import annotations
 

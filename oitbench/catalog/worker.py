@@ -8,6 +8,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
+from oitbench import parameters as selectors
 from oitbench.catalog.messages import (
     AxesFound,
     Demand,
@@ -24,7 +25,6 @@ from oitbench.catalog.messages import (
     Resolve,
     Resolved,
 )
-from oitbench import parameters as selectors
 from oitbench.catalog.outline import outline
 from oitbench.effects import names
 from oitbench.errors import DeclarationError, OitbenchError, locate
@@ -106,12 +106,11 @@ def _portrait(collection: Collection, request: Portray) -> Portrait:
     )
 
 
-def _parameter(method: Method, key: str) -> str:
-    """Return the value of a parameter, the others that it can have, and its meaning."""
+def _parameter(method: Method, key: str) -> tuple[str, str, str]:
+    """Return the value of a parameter, its choices, and its meaning."""
     parameter = method.parameters[key]
-    value = selectors.text(method.values[key])
-    choices = " | ".join(map(selectors.text, parameter.choices))
-    return "  ".join(filter(None, (value, f"({choices})" if choices else "", parameter.help)))
+    choices = ", ".join(map(selectors.text, parameter.choices))
+    return selectors.text(method.values[key]), choices, parameter.help
 
 
 def _selected(collection: Collection, request: Demand | Portray) -> Method:

@@ -60,6 +60,7 @@ def command(
     """
     from oitbench.catalog.catalog import Catalog
     from oitbench.report import write
+    from oitbench.report.bibliography import NAME
     from oitbench.report.markdown import tables
     from oitbench.results.records import Results, parts
 
@@ -71,14 +72,28 @@ def command(
         return
     with Catalog(collections) as catalog:
         found = catalog.places.reports
-        records = (record for folder in folders for record in Results.load(folder).records)
+        records = [record for folder in folders for record in Results.load(folder).records]
         crops = catalog.crops(sorted({record.scene.partition("[")[0] for record in records}))
+        portraits = {name: catalog.portrait(name) for name in sorted({r.name for r in records})}
+        bibliographies = [
+            path
+            for path in (f / "reports" / NAME for f in catalog.places.folders)
+            if path.is_file()
+        ]
     reports = {name: found[name] for name in sections or found}
     missing = False
     for folder in folders:
         place = out / folder.name if out is not None and len(folders) > 1 else out
         page = write(
-            folder, place, reports, hdr=hdr, single_file=single_file, crops=crops, timeout=timeout
+            folder,
+            place,
+            reports,
+            hdr=hdr,
+            single_file=single_file,
+            crops=crops,
+            portraits=portraits,
+            bibliographies=bibliographies,
+            timeout=timeout,
         )
         for reason in page.missing:
             click.echo(f"section left out: {reason}", err=True)

@@ -8,7 +8,9 @@ from functools import cached_property
 from pathlib import Path
 
 from oitbench import crops
+from oitbench.catalog.messages import Portrait
 from oitbench.crops import Crop
+from oitbench.filenames import file_name
 from oitbench.image import metrics
 from oitbench.image.files import Image
 from oitbench.report import palette
@@ -31,12 +33,24 @@ class ReportContext:
         viewer.
     crops : mapping of str to mapping of str to Crop
         Parts of pictures by the name of a scene, as its file states them.
+    portraits : mapping of str to Portrait or str
+        Methods as their files describe them, by bare name; else the reason why they do not.
+    bibliographies : tuple of Path
+        BibTeX files with the sources of methods and claims.
+    pages : bool
+        Whether a report writes pages of methods, to which names of methods link.
+    single_file : bool
+        Whether these pages are parts of the page, and not files.
     """
 
     results: Results
     out: Path
     hdr: bool = False
     crops: Mapping[str, Mapping[str, Crop]] = field(default_factory=dict)
+    portraits: Mapping[str, Portrait | str] = field(default_factory=dict)
+    bibliographies: tuple[Path, ...] = ()
+    pages: bool = False
+    single_file: bool = False
 
     @property
     def flip(self) -> str:
@@ -61,9 +75,17 @@ class ReportContext:
         return self._styles[label]
 
     @cached_property
+    def names(self) -> Mapping[str, str]:
+        """The bare names of methods by their labels."""
+        return {record.method: record.name for record in self.results.records}
+
+    def page(self, name: str) -> Path:
+        """Return the file of the page of a method, by its bare name."""
+        return self.out / "methods" / f"{file_name(name)}.html"
+
+    @cached_property
     def _styles(self) -> Mapping[str, Style]:
-        names = {record.method: record.name for record in self.results.records}
-        return palette.styles(names, self.families)
+        return palette.styles(self.names, self.families)
 
     @cached_property
     def families(self) -> Mapping[str, str]:

@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from oitbench.catalog.messages import Portrait
 from oitbench.crops import Crop
 from oitbench.report.artifacts import writing_to
 from oitbench.report.cells import effect_labels
@@ -24,6 +25,10 @@ VIEWER = (
     "input", "viewer",
 )  # fmt: skip
 """Scripts of the viewer in `viewer/`, in the order in which the page has them."""
+
+
+METHODS = "methods"
+"""The report that writes the pages of methods, to which names of methods link if it is there."""
 
 
 @dataclass(frozen=True)
@@ -50,6 +55,8 @@ def write(
     hdr: bool = False,
     single_file: bool = False,
     crops: Mapping[str, Mapping[str, Crop]] | None = None,
+    portraits: Mapping[str, Portrait | str] | None = None,
+    bibliographies: Sequence[Path] = (),
     timeout: float | None = SECONDS,
 ) -> Page:
     """Build all reports, and write them as one page.
@@ -71,6 +78,10 @@ def write(
         Put all files that the page needs into it, however large it becomes.
     crops : mapping of str to mapping of str to Crop, optional
         Parts of pictures by the name of a scene.
+    portraits : mapping of str to Portrait or str, optional
+        Methods as their files describe them, by bare name; else the reason why they do not.
+    bibliographies : sequence of path
+        BibTeX files with the sources of methods and claims.
     timeout : float, optional
         Seconds that one section may take. None: no limit.
 
@@ -81,7 +92,16 @@ def write(
     """
     results = Results.load(results_folder)
     out = Path(out_folder) if out_folder is not None else results.folder / "report"
-    context = ReportContext(results, out, hdr, crops or {})
+    context = ReportContext(
+        results,
+        out,
+        hdr,
+        crops or {},
+        portraits or {},
+        tuple(bibliographies),
+        METHODS in reports,
+        single_file,
+    )
     page = out / "index.html"
     with writing_to(out):
         sections = build_sections(context, reports, timeout)

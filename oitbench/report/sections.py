@@ -63,7 +63,16 @@ def build_sections(
         Bytes that the worker may use. Default: the share of a single worker.
     """
     crops = {scene: dict(found) for scene, found in context.crops.items()}
-    settings = Settings(context.results.folder, context.out, context.hdr, crops)
+    settings = Settings(
+        context.results.folder,
+        context.out,
+        context.hdr,
+        crops,
+        dict(context.portraits),
+        list(context.bibliographies),
+        context.pages,
+        context.single_file,
+    )
     limit = memory.share(1) if memory_limit is None else memory_limit
     with Process("oitbench.report.worker", settings, SectionBuilt, limit) as worker:
         sections = [_build(worker, name, path, timeout) for name, path in reports.items()]

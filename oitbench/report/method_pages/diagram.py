@@ -15,7 +15,7 @@ from oitbench.catalog.outline import FRAGMENT, Access, Outline, PassOutline, Sto
 from oitbench.method.steps import indexed_families
 from oitbench.results.schema import Outcome
 
-_LETTER = 7.2
+_LETTER = 7.8
 """Width of a letter of a name, at most."""
 _BOX_LETTERS = 30
 _COLUMN, _PADDING = 104.0, 18.0
@@ -141,14 +141,16 @@ def _joined(outline: Outline) -> Outline:
     joined = dict(known)
     for base, count in indexed_families(known).items():
         first, *rest = (f"{base}{number}" for number in range(count))
-        same = [msgspec.structs.replace(known[name], name=first) for name in rest]
-        if rest and all(item == known[first] for item in same):
-            if all(uses[name] == uses[first] for name in rest):
-                gone |= set(rest)
-                bits = known[first].bits * count
-                joined[first] = msgspec.structs.replace(
-                    known[first], bits=bits, format=f"{count} × {known[first].format}".rstrip(" ×")
-                )
+        alike = all(
+            msgspec.structs.replace(known[name], name=first) == known[first]
+            and uses[name] == uses[first]
+            for name in rest
+        )
+        if rest and alike:
+            gone |= set(rest)
+            one = known[first]
+            form = f"{count} × {one.format}".rstrip(" ×")
+            joined[first] = msgspec.structs.replace(one, bits=one.bits * count, format=form)
     passes = [
         msgspec.structs.replace(
             item, accesses=[access for access in item.accesses if access.storage not in gone]

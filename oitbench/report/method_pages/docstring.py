@@ -11,9 +11,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from oitbench.report.bibliography import KEY
-from oitbench.report.method_pages.formula import Span, spans
+from oitbench.report.method_pages.formula import Span, spans, spans_of_text
 
-FAILURES = "Known failures: "
+FAILURES, SOURCES = "Known failures: ", ("Source: ", "Sources: ")
 _INLINE = re.compile(rf"`([^`]+)`|{KEY.pattern}")
 
 
@@ -24,9 +24,9 @@ class Block:
     Parameters
     ----------
     kind : str
-        `paragraph`, `formula` or `failures`.
+        `paragraph`, `formula`, `failures` or `sources`.
     lines : tuple of tuple of Span
-        A paragraph has one, a formula one for each line, and failures one for each sentence.
+        A formula has one for each line, failures one for each sentence, and others one.
     """
 
     kind: str
@@ -50,16 +50,20 @@ def _block(part: str) -> Block:
         return Block("formula", tuple(tuple(spans(line)) for line in lines))
     words = " ".join(part.split())
     if words.startswith(FAILURES):
-        sentences = re.split(r"(?<=[.!?]) (?=[A-Z`])", words.removeprefix(FAILURES))
+        failures = words.removeprefix(FAILURES)
+        # The first sentence begins after a colon.
+        failures = failures[:1].upper() + failures[1:] if failures[1:2].isalpha() else failures
+        sentences = re.split(r"(?<=[.!?]) (?=[A-Z`])", failures)
         return Block("failures", tuple(tuple(_inline(sentence)) for sentence in sentences))
-    return Block("paragraph", (tuple(_inline(words)),))
+    kind = "sources" if words.startswith(SOURCES) else "paragraph"
+    return Block(kind, (tuple(_inline(words)),))
 
 
 def _inline(words: str) -> Iterator[Span]:
     """Yield the parts of a paragraph: text, `code`, and keys of sources."""
     end = 0
     for found in _INLINE.finditer(words):
-        yield Span("text", words[end : found.start()])
+        yield from spans_of_text(words[end : found.start()])
         yield Span("code", found[1]) if found[1] else Span("source", found[2])
         end = found.end()
-    yield Span("text", words[end:])
+    yield from spans_of_text(words[end:])

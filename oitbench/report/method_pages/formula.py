@@ -24,8 +24,8 @@ class Span(NamedTuple):
 
 
 _LETTERS = {
-    "alpha": "α", "beta": "β", "delta": "δ", "kappa": "κ", "lambda": "λ", "phi": "φ", "pi": "π",
-    "tau": "τ", "xi": "ξ", "Omega": "Ω",
+    "alpha": "α", "beta": "β", "delta": "δ", "eta": "η", "kappa": "κ", "lambda": "λ", "phi": "φ",
+    "pi": "π", "tau": "τ", "xi": "ξ", "Omega": "Ω",
 }  # fmt: skip
 _OPERATORS = {"sum": "∑", "prod": "∏", "sqrt": "√"}
 _SIGNS = {"<=": "≤", ">=": "≥", "!=": "≠", "<-": "←", "->": "→", "...": "…", "-": "−"}
@@ -37,6 +37,12 @@ _TOKEN = re.compile(
     r"|(?P<sign><=|>=|!=|<-|->|\.\.\.|-)"
     r"|(?P<other>.)"
 )
+_GREEK = "|".join(_LETTERS)
+_IN_TEXT = re.compile(
+    rf"\b(?P<base>{_GREEK}|[A-Za-z](?=_[A-Za-z0-9{{]))(?P<index>_(?:\{{[^}}]*\}}|[A-Za-z0-9]+))?\b"
+    r"|(?P<power>\^(?:\([^)]*\)|-?\w+)|\b\d+(?:\.\d+)?e[-+]?\d+\b)"
+)
+"""Parts of a sentence that can only be formulas."""
 _CONSTANT = re.compile(r"(?<![A-Za-z0-9_.])([A-Za-z])(\d)\b")
 
 
@@ -57,6 +63,16 @@ def spans(line: str) -> Iterator[Span]:
             yield Span("sub" if found["mark"] == "_" else "sup", "", tuple(spans(inner)))
         else:
             yield Span("text", _SIGNS.get(found[0], found[0]))
+
+
+def spans_of_text(sentence: str) -> Iterator[Span]:
+    """Yield the pieces of a sentence, in which only Greek letters, indices and powers are set."""
+    end = 0
+    for found in _IN_TEXT.finditer(sentence):
+        yield Span("text", sentence[end : found.start()])
+        yield from spans(found[0])
+        end = found.end()
+    yield Span("text", sentence[end:])
 
 
 def _power(number: str) -> Iterator[Span]:

@@ -1,0 +1,127 @@
+"""The results of a method: its rows of all main tables, and its best and worst scene."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from urllib.parse import urlencode
+
+from oitbench.filenames import file_name
+from oitbench.parameters import natural
+from oitbench.report import columns, plates, previews
+from oitbench.report.artifacts import Column, Row, Table, fixed, write_table
+from oitbench.report.context import ReportContext
+from oitbench.report.method_pages.page import Scene
+from oitbench.results.ranking import ranking
+from oitbench.results.records import Panel
+from oitbench.results.schema import Record
+from oitbench.results.table import MEBIBYTE
+from oitbench.truths import TRUTHS
+
+_CHARACTERS = 60_000
+"""Room for each picture, as an address."""
+
+
+def main_label(name: str, cells: Sequence[Record]) -> str:
+    """Return the label of the variant that stands for a method: the default one if there is one."""
+    labels = sorted({cell.method for cell in cells}, key=natural)
+    return name if name in labels else labels[0]
+
+
+def table(context: ReportContext, name: str) -> Table:
+    """Return the cells of all variants of a method, with ranks among all methods."""
+    rows: list[Row] = []
+    for panel in context.results.panels():
+        ranks = ranking(panel, context.flip).ranks
+        rows += [
+            _row(context, panel, cell, ranks.get(cell.method))
+            for cell in panel.cells
+            if cell.name == name
+        ]
+    path = context.page(name).with_name(f"{file_name(name)}.csv")
+    caption = (
+        f"{context.flip} against the truth that ranks the methods of a scene, the rank by it, and "
+        "all costs. Shared shading is not included."
+    )
+    return write_table(path, _columns(context), rows, title="All cells", caption=caption)
+
+
+def _columns(context: ReportContext) -> tuple[Column, ...]:
+    return (
+        columns.METHOD,
+        columns.SCENE,
+        Column("status", "Status", kind="status"),
+        columns.RANKING_TRUTH,
+        Column(context.flip, "FLIP", decimals=4, help="lower is better"),
+        Column("rank", "Rank", kind="rank", help="among all methods; = marks ties"),
+        *(columns.error(truth, context.flip) for truth in TRUTHS),
+        *columns.TIMES[:3],
+        Column("memory_mib", "Memory", "MiB", help="2^20 bytes"),
+        Column("bits_per_pixel", "Memory", "bit/px"),
+        Column("traffic_mib", "Traffic", "MiB", help="per frame, 2^20 bytes"),
+        Column("missing_effects", "Missing effects", kind="text"),
+        Column("reason", "Reason", kind="prose"),
+    )
+
+
+def _row(context: ReportContext, panel: Panel, cell: Record, rank: str | None) -> Row:
+    outcome, time = cell.outcome, cell.time
+    ends = time.method_ms.ends if time is not None else None
+    return (
+        cell.method,
+        panel.title,
+        cell.status,
+        cell.ranking_truth if outcome else None,
+        cell.metric(cell.ranking_truth, context.flip),
+        rank,
+        *(cell.metric(truth, context.flip) for truth in TRUTHS),
+        time.method_ms.median if time is not None else None,
+        *(ends or (None, None)),
+        outcome.memory.bytes / MEBIBYTE if outcome else None,
+        outcome.memory.bits_per_pixel if outcome else None,
+        outcome.traffic.bytes / MEBIBYTE if outcome else None,
+        ", ".join(cell.missing_effects),
+        cell.reason,
+    )
+
+
+def extremes(context: ReportContext, label: str) -> tuple[Scene, ...]:
+    """Return the scenes in which a variant has its least and its largest error."""
+    found: list[tuple[float, Panel, Record]] = []
+    for panel in context.results.panels():
+        for cell in panel.finished:
+            error = cell.metric(panel.truth, context.flip)
+            if cell.method == label and error is not None:
+                found.append((error, panel, cell))
+    if not found:
+        return ()
+    found.sort(key=lambda item: item[0])
+    chosen = {"Best scene": found[0]}
+    if len(found) > 1:
+        chosen["Worst scene"] = found[-1]
+    return tuple(_scene(context, word, *item) for word, item in chosen.items())
+
+
+def _scene(context: ReportContext, word: str, error: float, panel: Panel, cell: Record) -> Scene:
+    shown = plates.show_cell(context, cell, panel.truth, None, values=())
+    truth = plates.show_truth(context, panel, panel.truth, None)
+    errors = context.flip_map(cell, panel.truth)
+    top = 0.0 if errors is None else float(errors.max())
+    pictures = {
+        TRUTHS[panel.truth]: truth.picture,
+        cell.method: shown.picture,
+        # The map has a scale of its own, since small errors would be black.
+        f"FLIP map, brightest {fixed(top, 3)}": (
+            None if errors is None else plates.magma(errors / (top or 1.0))
+        ),
+    }
+    address = urlencode({"view": panel.slug, "method": cell.method})
+    return Scene(
+        f"{word}: {panel.title}",
+        f"Mean {context.flip} {fixed(error, 4)} against {TRUTHS[panel.truth]}.",
+        address,
+        tuple(
+            (caption, previews.preview(picture, _CHARACTERS))
+            for caption, picture in pictures.items()
+            if picture is not None
+        ),
+    )
