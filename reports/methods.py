@@ -1,8 +1,8 @@
 """A page for each method: how it works, what a frame declares, promises, results and sources.
 
 The text and the declaration are those of the method's file, if a collection has it when the report
-is written; else the page shows what the results have. Promises were checked by `oitbench
-stability`, if its results are in the folder.
+is written; else the page shows what the results have. Promises were checked by the
+command stability, if its results are in the folder.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ _LIST = (
     Column("title", "Title", kind="prose"),
     Column("family", "Family", kind="text"),
     Column("class", "Capability class", kind="text", help="that its declaration demands"),
-    Column("sources", "Sources", kind="text"),
+    Column("sources", "Sources", kind="prose"),
 )
 _PARAMETERS = (
     Column("parameter", "Parameter", kind="text"),
@@ -81,8 +81,8 @@ def build(context: ReportContext) -> list[Artifact]:
 
 def _row(context: ReportContext, found: MethodPage, label: str) -> Row:
     classes = (value for name, value in found.facts if name == "capability class")
-    keys = ", ".join(source.key for source in found.sources)
-    return label, found.title, found.family, next(classes, ""), keys
+    sources = ", ".join(f"{source.authors} {source.year}" for source in found.sources)
+    return label, found.title, found.family, next(classes, ""), sources
 
 
 def _checks(context: ReportContext) -> Mapping[str, Sequence[CheckResult]]:
@@ -111,9 +111,11 @@ def _page(
     drawn = diagram.diagram(described.outline) if described else None
     declared = "With default parameters, in a scene that requests all effects that it shows."
     if drawn is None and outcome is not None:
-        cell = max(cells, key=lambda it: len(it.outcome.passes) if it.outcome else 0)
-        assert cell.outcome is not None
-        drawn = diagram.diagram(diagram.of_outcome(cell.outcome, cell.size))
+        cell, outcome = max(
+            ((cell, cell.outcome) for cell in cells if cell.outcome is not None),
+            key=lambda item: (len(item[1].passes), len(item[1].memory.terms)),
+        )
+        drawn = diagram.diagram(diagram.of_outcome(outcome, cell.size))
         declared = f"As {cell.method} was counted in {cell.seen}; formats are not known."
     promised = described.promises if described else [c.check for c in checks if c.promised]
     return MethodPage(
@@ -191,7 +193,7 @@ def _promises(
         rows.append((promise, sentence, *numbers))
     if not rows:
         return None
-    how = "" if checks else f" `oitbench stability --method {name}` checks them."
+    how = "" if checks else f" The command oitbench stability --method {name} checks them."
     caption = f"Identities that the method keeps, within the rounding of its formats.{how}"
     path = _path(context, name, "promises")
     return write_table(path, _PROMISES, rows, title="Promises", caption=caption)

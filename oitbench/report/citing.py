@@ -1,4 +1,4 @@
-"""How to cite the suite and how to repeat a figure: its entry, commands, and a digest of results."""
+"""How to cite the suite and to repeat a figure: its entry, commands, and a digest of results."""
 
 from __future__ import annotations
 

@@ -75,7 +75,8 @@ class Diagram:
 def diagram(outline: Outline) -> Diagram:
     """Return the diagram of an outline; storage that is numbered and used alike is one column."""
     outline = _joined(outline)
-    box = _LETTER * _BOX_LETTERS
+    texts = [(item.name, *_lines(item.draws), *_lines(item.remark)) for item in outline.passes]
+    box = _PADDING + _LETTER * max((len(line) for lines in texts for line in lines), default=0)
     places: dict[str, Column] = {}
     left = box + _PADDING
     for item in outline.storages:
@@ -86,14 +87,13 @@ def diagram(outline: Outline) -> Diagram:
         left += width
     rows: list[Row] = []
     top = _HEADER
-    for item in outline.passes:
-        remarks = (*_lines(item.draws), *_lines(item.remark))
+    for item, (name, *remarks) in zip(outline.passes, texts, strict=True):
         height = max(_ROW, _LINE * (2 + len(remarks)))
         arrows = tuple(
             Arrow(places[access.storage].x, access.reads, access.writes, access.word)
             for access in item.accesses
         )
-        rows.append(Row(item.name, remarks, top, height, arrows))
+        rows.append(Row(name, tuple(remarks), top, height, arrows))
         top += height + _GAP
     return Diagram(left, top, box, tuple(places.values()), tuple(rows), _sentences(outline))
 

@@ -51,8 +51,9 @@ def _block(part: str) -> Block:
     words = " ".join(part.split())
     if words.startswith(FAILURES):
         failures = words.removeprefix(FAILURES)
-        # The first sentence begins after a colon.
-        failures = failures[:1].upper() + failures[1:] if failures[1:2].isalpha() else failures
+        # The first sentence begins after a colon; single letters but "a" are variables.
+        if re.match(r"a |[a-z]{2}", failures):
+            failures = failures[0].upper() + failures[1:]
         sentences = re.split(r"(?<=[.!?]) (?=[A-Z`])", failures)
         return Block("failures", tuple(tuple(_inline(sentence)) for sentence in sentences))
     kind = "sources" if words.startswith(SOURCES) else "paragraph"

@@ -49,38 +49,34 @@ def _columns(context: ReportContext) -> tuple[Column, ...]:
     return (
         columns.METHOD,
         columns.SCENE,
-        Column("status", "Status", kind="status"),
         columns.RANKING_TRUTH,
         Column(context.flip, "FLIP", decimals=4, help="lower is better"),
         Column("rank", "Rank", kind="rank", help="among all methods; = marks ties"),
         *(columns.error(truth, context.flip) for truth in TRUTHS),
-        *columns.TIMES[:3],
+        columns.TIMES[0],
         Column("memory_mib", "Memory", "MiB", help="2^20 bytes"),
         Column("bits_per_pixel", "Memory", "bit/px"),
         Column("traffic_mib", "Traffic", "MiB", help="per frame, 2^20 bytes"),
         Column("missing_effects", "Missing effects", kind="text"),
-        Column("reason", "Reason", kind="prose"),
+        Column("note", "Status", kind="prose", help="unless it is ok"),
     )
 
 
 def _row(context: ReportContext, panel: Panel, cell: Record, rank: str | None) -> Row:
     outcome, time = cell.outcome, cell.time
-    ends = time.method_ms.ends if time is not None else None
     return (
         cell.method,
         panel.title,
-        cell.status,
         cell.ranking_truth if outcome else None,
         cell.metric(cell.ranking_truth, context.flip),
         rank,
         *(cell.metric(truth, context.flip) for truth in TRUTHS),
         time.method_ms.median if time is not None else None,
-        *(ends or (None, None)),
         outcome.memory.bytes / MEBIBYTE if outcome else None,
         outcome.memory.bits_per_pixel if outcome else None,
         outcome.traffic.bytes / MEBIBYTE if outcome else None,
         ", ".join(cell.missing_effects),
-        cell.reason,
+        plates.note(cell),
     )
 
 
