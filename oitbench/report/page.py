@@ -128,7 +128,7 @@ def _render(context: ReportContext, sections: Sequence[Section]) -> str:
             troubled=[record for record in results.records if record.status != "ok"],
             incomplete=_incomplete(results.records),
             faults=list(dict.fromkeys(line for item in sections for line in item.faults)),
-            facts=_facts(results.facts),
+            facts=facts_of(results.facts),
             disturbed=disturbed_scenes(results.records),
             sign=SIGN,
             viewer=VIEWER,
@@ -148,7 +148,7 @@ def _incomplete(records: Sequence[Record]) -> dict[tuple[str, str], list[str]]:
     return found
 
 
-def _facts(facts: RunFacts) -> list[tuple[str, str]]:
+def facts_of(facts: RunFacts) -> list[tuple[str, str]]:
     """Return the facts of the run as names and values; unknown facts are left out."""
     gl, cpu, git = facts.gl, facts.cpu, facts.git
     cores = f", {cpu.cores} cores" if cpu and cpu.cores else ""
