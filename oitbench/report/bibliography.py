@@ -84,7 +84,7 @@ def keys(doc: str) -> list[str]:
 
 
 def _entries(path: Path) -> list[Source]:
-    import bibtexparser
+    from bibtexparser.entrypoint import parse_string
 
     try:
         content = path.read_text(encoding="utf-8")
@@ -92,10 +92,11 @@ def _entries(path: Path) -> list[Source]:
         raise UsageError(f"{path} cannot be read: {error.strerror}") from error
     except UnicodeDecodeError as error:
         raise DeclarationError(f"{path}: {error}") from error
-    library = bibtexparser.parse_string(content)
+    library = parse_string(content)
     for block in library.failed_blocks:
-        raise DeclarationError(f"{path}:{block.start_line + 1}: no entry of BibTeX; correct it")
-    return [_source(entry.key, entry.raw, entry.fields_dict) for entry in library.entries]
+        line = (block.start_line or 0) + 1
+        raise DeclarationError(f"{path}:{line}: no entry of BibTeX; correct it")
+    return [_source(entry.key, entry.raw or "", entry.fields_dict) for entry in library.entries]
 
 
 def _source(key: str, bibtex: str, fields: Mapping[str, object]) -> Source:

@@ -14,6 +14,7 @@ from oitbench.filenames import file_name
 from oitbench.image import metrics
 from oitbench.image.files import Image
 from oitbench.report import palette
+from oitbench.report.citing import Citation, citation
 from oitbench.report.palette import Style
 from oitbench.results.records import Panel, Results
 from oitbench.results.schema import Record
@@ -73,6 +74,11 @@ class ReportContext:
         Color and marker are those of the method's family.
         """
         return self._styles[label]
+
+    @cached_property
+    def citation(self) -> Citation:
+        """How to cite the results, and how to repeat them."""
+        return citation(self.results)
 
     @cached_property
     def names(self) -> Mapping[str, str]:

@@ -83,7 +83,9 @@ def _table(it: Table) -> str:
 
 
 def _cell(column: Column, value: Value) -> str:
-    return escaped(column.text(value))
+    text = escaped(column.text(value))
+    # A bracket at the start of a row would be an option of the row before.
+    return f"{{{text}}}" if isinstance(value, str) and value else text
 
 
 def _shade(shade: Shade) -> str:

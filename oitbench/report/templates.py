@@ -22,7 +22,6 @@ from oitbench.report.artifacts import (
     Statement,
     Table,
 )
-from oitbench.report.citing import citation
 from oitbench.report.context import ReportContext
 from oitbench.report.palette import is_dark
 
@@ -66,7 +65,7 @@ def environment(context: ReportContext, folder: Path | None = None) -> Environme
     made.globals["address"] = address
     made.globals["style"] = context.style
     made.globals["is_dark"] = is_dark
-    made.globals["citation"] = citation(context.results)
+    made.globals["citation"] = context.citation
     made.globals["facts"] = lambda stack: stacks.facts(context, stack, link(stack.pixels))
     made.globals["color_maps"] = stacks.color_maps
     return made

@@ -193,11 +193,12 @@ def compare_snapshots(now: Snapshot, before: Snapshot) -> Comparison:
     common = before.rows.keys() & now.rows.keys()
     for cell in common:
         for name, verdict in _judge_row(before.rows[cell], now.rows[cell], counts, limits):
-            value = before.rows[cell].get(name)
-            limit = _limit(name, counts, limits)
-            number = isinstance(value, int | float) and limit is not None
-            allowed = limit.allowed(value) if number else None
-            found.append(Difference(cell, name, value, now.rows[cell].get(name), verdict, allowed))
+            value, limit = before.rows[cell].get(name), _limit(name, counts, limits)
+            allowed = None
+            if limit is not None and isinstance(value, int | float):
+                allowed = limit.allowed(value)
+            after = now.rows[cell].get(name)
+            found.append(Difference(cell, name, value, after, verdict, allowed))
     if now.renderer == before.renderer:
         found += _times(now, before)
     found.sort(key=lambda item: (not item.regression, item.cell, item.field))

@@ -79,11 +79,12 @@ def diagram(outline: Outline) -> Diagram:
     box = _PADDING + _LETTER * max((len(line) for lines in texts for line in lines), default=0)
     places: dict[str, Column] = {}
     left = box + _PADDING
-    for item in outline.storages:
-        title, size = _title(item), _size(item)
-        letters = max(map(len, (title, item.format, size)))
+    for storage in outline.storages:
+        title, size = _title(storage), _size(storage)
+        letters = max(map(len, (title, storage.format, size)))
         width = max(_COLUMN, _LETTER * letters + _PADDING)
-        places[item.name] = Column(title, item.format, size, item.shared, left + width / 2)
+        middle = left + width / 2
+        places[storage.name] = Column(title, storage.format, size, storage.shared, middle)
         left += width
     rows: list[Row] = []
     top = _HEADER

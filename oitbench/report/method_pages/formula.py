@@ -39,8 +39,8 @@ _TOKEN = re.compile(
 )
 _GREEK = "|".join(_LETTERS)
 _IN_TEXT = re.compile(
-    rf"\b(?P<base>{_GREEK}|[A-Za-z](?=_[A-Za-z0-9{{]))(?P<index>_(?:\{{[^}}]*\}}|[A-Za-z0-9]+))?\b"
-    r"|(?P<power>\^(?:\([^)]*\)|-?\w+)|\b\d+(?:\.\d+)?e[-+]?\d+\b)"
+    rf"\b(?:{_GREEK}|(?:{_GREEK}|[A-Za-z])_[A-Za-z0-9]{{1,2}})\b"
+    r"|\^(?:\([^)]*\)|-?\w+)|\b\d+(?:\.\d+)?e[-+]?\d+\b"
 )
 """Parts of a sentence that can only be formulas."""
 _CONSTANT = re.compile(r"(?<![A-Za-z0-9_.])([A-Za-z])(\d)\b")

@@ -81,6 +81,11 @@ class MethodPage:
     label: str
 
     @property
+    def keys(self) -> frozenset[str]:
+        """The keys of its sources."""
+        return frozenset(source.key for source in self.sources)
+
+    @property
     def tables(self) -> tuple[Table, ...]:
         """Its tables."""
         found = (self.parameters, self.promises, self.breaks, self.results)
