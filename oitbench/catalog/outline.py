@@ -139,8 +139,8 @@ def _remark(step: Step, item: Pass) -> str:
     if isinstance(item, Gather) and item.order is not Order.SUBMISSION:
         remarks.append(f"far to near by {item.order.value}")
     if isinstance(step, Interleaved):
-        remarks.append("in turns with the next, unit by unit")
-    if isinstance(step, Loop):
+        remarks.append("in turns with the other pass")
+    if isinstance(step, Loop) and step.times != 1:
         end = "until nothing is left" if step.times is None else f"up to {step.times} times"
         remarks.append(f"repeated {end}")
     return ", ".join(remarks)

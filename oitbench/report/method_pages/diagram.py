@@ -15,8 +15,8 @@ from oitbench.catalog.outline import FRAGMENT, Access, Outline, PassOutline, Sto
 from oitbench.method.steps import indexed_families
 from oitbench.results.schema import Outcome
 
-_LETTER = 7.8
-"""Width of a letter of a name, at most."""
+_BOLD, _LETTER = 8.8, 7.4
+"""Widths of letters of names and of other texts, in a wide typeface."""
 _BOX_LETTERS = 30
 _COLUMN, _PADDING = 104.0, 18.0
 _HEADER, _ROW, _LINE, _GAP = 66.0, 48.0, 15.0, 12.0
@@ -76,13 +76,12 @@ def diagram(outline: Outline) -> Diagram:
     """Return the diagram of an outline; storage that is numbered and used alike is one column."""
     outline = _joined(outline)
     texts = [(item.name, *_lines(item.draws), *_lines(item.remark)) for item in outline.passes]
-    box = _PADDING + _LETTER * max((len(line) for lines in texts for line in lines), default=0)
+    box = _PADDING + max((_width(*lines) for lines in texts), default=0.0)
     places: dict[str, Column] = {}
     left = box + _PADDING
     for storage in outline.storages:
         title, size = _title(storage), _size(storage)
-        letters = max(map(len, (title, storage.format, size)))
-        width = max(_COLUMN, _LETTER * letters + _PADDING)
+        width = max(_COLUMN, _width(title, storage.format, size) + _PADDING)
         middle = left + width / 2
         places[storage.name] = Column(title, storage.format, size, storage.shared, middle)
         left += width
@@ -97,6 +96,10 @@ def diagram(outline: Outline) -> Diagram:
         rows.append(Row(name, tuple(remarks), top, height, arrows))
         top += height + _GAP
     return Diagram(left, top, box, tuple(places.values()), tuple(rows), _sentences(outline))
+
+
+def _width(name: str, *lines: str) -> float:
+    return max(_BOLD * len(name), _LETTER * max(map(len, lines), default=0))
 
 
 def of_outcome(outcome: Outcome, size: tuple[int, int]) -> Outline:
@@ -176,7 +179,11 @@ def _title(item: Storage) -> str:
 
 
 def _size(item: Storage) -> str:
-    return f"{item.bits:,.4g} bit/{'fragment' if item.unit == FRAGMENT else 'px'}"
+    return f"{_number(item.bits)} bit/{'fragment' if item.unit == FRAGMENT else 'px'}"
+
+
+def _number(bits: float) -> str:
+    return f"{bits:,.0f}" if bits >= 1 else f"{bits:.2g}"
 
 
 def _lines(text: str) -> list[str]:
