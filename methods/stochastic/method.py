@@ -7,7 +7,7 @@ visibility, without any sorting:
 
     depth:  v = #{s: z <= z_s} / S,               C = T C0 + (1 - T) sum alpha L v / sum o v
     alpha:  v = #{s taken: z = z_s} / (o S),      C = T C0 + (1 - T) sum alpha L v / sum o v
-    none:   v as for alpha,                       C = (1 - sum o v) C0 + sum alpha L v
+    none:   v as for `alpha`,                     C = (1 - sum o v) C0 + sum alpha L v
 
 with the exact T = prod (1 - o). `none` and the sum of `depth` are right in the mean. A ratio of
 sums is exact where all layers share a color, and slightly biased elsewhere.

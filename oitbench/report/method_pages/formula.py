@@ -33,6 +33,7 @@ _TOKEN = re.compile(
     r"(?P<power>\b\d+(?:\.\d+)?e[-+]?\d+\b)"
     r"|(?P<operator>(?:sum|prod|sqrt)\b|(?:sum|prod)(?=_))(?! (?:<-|\+|of ))"
     r"|(?P<word>[A-Za-z]+)"
+    r"|`(?P<code>[^`]+)`"
     r"|(?P<mark>[_^])(?P<script>\{[^}]*\}|\([^)]*\)|-?[A-Za-z]+|-?\d+)"
     r"|(?P<sign><=|>=|!=|<-|->|\.\.\.|-)"
     r"|(?P<other>.)"
@@ -49,14 +50,19 @@ _CONSTANT = re.compile(r"(?<![A-Za-z0-9_.])([A-Za-z])(\d)\b")
 def spans(line: str) -> Iterator[Span]:
     """Yield the pieces of a line of a formula."""
     # A letter with a digit has an index, such as C0, the background.
-    for found in _TOKEN.finditer(_CONSTANT.sub(r"\1_\2", line)):
+    marked = _CONSTANT.sub(r"\1_\2", line)
+    for found in _TOKEN.finditer(marked):
         if found["power"]:
             yield from _power(found["power"])
         elif found["operator"]:
             yield Span("text", _OPERATORS[found["operator"]])
         elif found["word"]:
-            letter = _LETTERS.get(found["word"], found["word"])
+            # Before a colon stands a name, such as a value of a parameter.
+            named = marked[found.end() :].startswith(":")
+            letter = found["word"] if named else _LETTERS.get(found["word"], found["word"])
             yield Span("variable" if len(letter) == 1 else "text", letter)
+        elif found["code"]:
+            yield Span("code", found["code"])
         elif found["mark"]:
             # Braces, and parentheses around an exponent, only group.
             inner = found["script"].strip("{}" if found["mark"] == "_" else "{}()")

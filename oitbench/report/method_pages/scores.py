@@ -9,6 +9,7 @@ from oitbench.filenames import file_name
 from oitbench.parameters import natural
 from oitbench.report import columns, plates, previews
 from oitbench.report.artifacts import Column, Row, Table, fixed, write_table
+from oitbench.report.cells import effect_labels
 from oitbench.report.context import ReportContext
 from oitbench.report.method_pages.page import Scene
 from oitbench.results.ranking import ranking
@@ -75,7 +76,7 @@ def _row(context: ReportContext, panel: Panel, cell: Record, rank: str | None) -
         outcome.memory.bytes / MEBIBYTE if outcome else None,
         outcome.memory.bits_per_pixel if outcome else None,
         outcome.traffic.bytes / MEBIBYTE if outcome else None,
-        ", ".join(cell.missing_effects),
+        effect_labels(cell.missing_effects),
         plates.note(cell),
     )
 

@@ -11,7 +11,7 @@ from oitbench.report.method_pages.formula import Span, spans, spans_of_text
 
 def shown(pieces: Iterable[Span]) -> str:
     """Return pieces as text, with marks for variables, indices and exponents."""
-    marks = {"variable": "*{}*", "sub": "_[{}]", "sup": "^[{}]", "text": "{}"}
+    marks = {"variable": "*{}*", "sub": "_[{}]", "sup": "^[{}]", "text": "{}", "code": "`{}`"}
     return "".join(marks[kind].format(text or shown(inner)) for kind, text, inner in pieces)
 
 
@@ -28,6 +28,7 @@ def shown(pieces: Iterable[Span]) -> str:
         ("1e-5 and 3e3", "10^[−5] and 3·10^[3]"),
         ("T >= 0, x -> y ...", "*T* ≥ 0, *x* → *y* …"),
         ("max(log2 s, exp(-a))", "max(log2 *s*, exp(−*a*))"),
+        ("alpha: by `alpha`", "alpha: by `alpha`"),
         ("b* and <b>", "*b** and <*b*>"),
     ],
 )
