@@ -1,17 +1,16 @@
 """A page for each method: how it works, what a frame declares, promises, results and sources.
 
 The text and the declaration are those of the method's file, if a collection has it when the report
-is written; else the page shows what the results have. Promises were checked by the
-command stability, if its results are in the folder.
+is written; else the page shows what the results have. Promises were checked by the command
+stability, if its results are in the folder.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from pathlib import Path
+from dataclasses import dataclass
 
 from oitbench.catalog.messages import Portrait
-from oitbench.filenames import file_name
 from oitbench.method.demand_table import FACTS
 from oitbench.method.demands import CLASSES
 from oitbench.method.promises import PROMISES
@@ -22,6 +21,7 @@ from oitbench.report.bibliography import Source
 from oitbench.report.cells import effect_labels
 from oitbench.report.method_pages import diagram, docstring, page, scores
 from oitbench.report.method_pages.page import MethodPage
+from oitbench.report.method_pages.scores import Standing
 from oitbench.results.schema import Record
 from oitbench.stability import files
 from oitbench.stability.result import BREAKS, CheckResult
@@ -57,32 +57,55 @@ _BREAKS = (
 )
 
 
+@dataclass(frozen=True)
+class _Known:
+    """What the pages share.
+
+    Parameters
+    ----------
+    context : ReportContext
+    labels : mapping of str to str
+        The variant that stands for each method, by bare name.
+    checks : mapping of str to list of CheckResult
+        By variant.
+    sources : mapping of str to Source
+        By key.
+    ranked : list of Standing
+    """
+
+    context: ReportContext
+    labels: Mapping[str, str]
+    checks: Mapping[str, Sequence[CheckResult]]
+    sources: Mapping[str, Source]
+    ranked: Sequence[Standing]
+
+
 def build(context: ReportContext) -> list[Artifact]:
     """Write the pages, and a table that links to them."""
     own: dict[str, list[Record]] = {}
-    for record in context.results.records:
+    for record in sorted(context.results.records, key=lambda record: natural(record.name)):
         own.setdefault(record.name, []).append(record)
     if not own:
         return []
-    first = {name: scores.main_label(name, cells) for name, cells in own.items()}
-    names = sorted(own, key=natural)
-    checks = _checks(context)
-    sources = bibliography.read(context.bibliographies)
-    pages = [
-        _page(context, name, own[name], checks.get(first[name], ()), sources, names, first)
-        for name in names
-    ]
-    rows = [_row(context, found, first[found.name]) for found in pages]
+    known = _Known(
+        context,
+        {name: scores.main_label(name, cells) for name, cells in own.items()},
+        _checks(context),
+        bibliography.read(context.bibliographies),
+        scores.standings(context),
+    )
+    pages = [_page(known, name, cells) for name, cells in own.items()]
+    rows = [_row(found) for found in pages]
     caption = "The name of a method opens its page."
     table = write_table(context.out / "methods.csv", _LIST, rows, title="Pages", caption=caption)
     parts = page.write(context, pages)
     return [table, Parts(tuple(parts))] if parts else [table]
 
 
-def _row(context: ReportContext, found: MethodPage, label: str) -> Row:
+def _row(found: MethodPage) -> Row:
     classes = (value for name, value in found.facts if name == "capability class")
     sources = ", ".join(f"{source.authors} {source.year}" for source in found.sources)
-    return label, found.title, found.family, next(classes, ""), sources
+    return found.label, found.title, found.family, next(classes, ""), sources
 
 
 def _checks(context: ReportContext) -> Mapping[str, Sequence[CheckResult]]:
@@ -94,19 +117,12 @@ def _checks(context: ReportContext) -> Mapping[str, Sequence[CheckResult]]:
     return found
 
 
-def _page(
-    context: ReportContext,
-    name: str,
-    cells: Sequence[Record],
-    checks: Sequence[CheckResult],
-    known: Mapping[str, Source],
-    names: Sequence[str],
-    labels: Mapping[str, str],
-) -> MethodPage:
+def _page(known: _Known, name: str, cells: Sequence[Record]) -> MethodPage:
+    context, label = known.context, known.labels[name]
+    checks = known.checks.get(label, ())
     portrait = context.portraits.get(name, "the report was written without its file")
     described = portrait if isinstance(portrait, Portrait) else None
     doc = described.doc if described else ""
-    keys = bibliography.keys(doc)
     outcome = next((cell.outcome for cell in cells if cell.outcome), None)
     drawn = diagram.diagram(described.outline) if described else None
     declared = "With default parameters, in a scene that requests all effects that it shows."
@@ -130,11 +146,11 @@ def _page(
         _parameters(context, name, described),
         _promises(context, name, promised, checks),
         _breaks(context, name, checks),
-        scores.table(context, name),
-        scores.extremes(context, labels[name]),
-        tuple(known[key] for key in keys if key in known),
-        tuple(labels[other] for other in names if other != name),
-        labels[name],
+        scores.table(context, name, known.ranked),
+        scores.extremes(context, label, known.ranked),
+        tuple(known.sources[key] for key in bibliography.keys(doc) if key in known.sources),
+        tuple(other for bare, other in known.labels.items() if bare != name),
+        label,
     )
 
 
@@ -171,7 +187,7 @@ def _facts(portrait: Portrait | None, cells: Sequence[Record]) -> Iterable[tuple
 def _parameters(context: ReportContext, name: str, portrait: Portrait | None) -> Table | None:
     if portrait is None or not portrait.parameters:
         return None
-    path = _path(context, name, "parameters")
+    path = context.method_table(name, "parameters")
     rows = [
         (key, value, choices, meaning.replace("`", ""))
         for key, (value, choices, meaning) in portrait.parameters.items()
@@ -195,7 +211,7 @@ def _promises(
         return None
     how = "" if checks else f" The command oitbench stability --method {name} checks them."
     caption = f"Identities that the method keeps, within the rounding of its formats.{how}"
-    path = _path(context, name, "promises")
+    path = context.method_table(name, "promises")
     return write_table(path, _PROMISES, rows, title="Promises", caption=caption)
 
 
@@ -208,9 +224,5 @@ def _breaks(context: ReportContext, name: str, checks: Sequence[CheckResult]) ->
     if not rows:
         return None
     caption = "Identities that the method does not promise, and hard cases, where they break."
-    path = _path(context, name, "limits")
+    path = context.method_table(name, "limits")
     return write_table(path, _BREAKS, rows, title="Checks that break", caption=caption)
-
-
-def _path(context: ReportContext, name: str, kind: str) -> Path:
-    return context.page(name).with_name(f"{file_name(name)}-{kind}.csv")

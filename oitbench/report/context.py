@@ -89,6 +89,10 @@ class ReportContext:
         """Return the file of the page of a method, by its bare name."""
         return self.out / "methods" / f"{file_name(name)}.html"
 
+    def method_table(self, name: str, kind: str) -> Path:
+        """Return the CSV file of a table of that page; `kind` is its name."""
+        return self.out / "methods" / "tables" / file_name(name) / f"{kind}.csv"
+
     @cached_property
     def _styles(self) -> Mapping[str, Style]:
         return palette.styles(self.names, self.families)

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
 from urllib.parse import urlencode
 
-from oitbench.filenames import file_name
 from oitbench.parameters import natural
 from oitbench.report import columns, plates, previews
 from oitbench.report.artifacts import Column, Row, Table, fixed, write_table
@@ -22,23 +22,34 @@ _CHARACTERS = 60_000
 """Room for each picture, as an address."""
 
 
+class Standing(NamedTuple):
+    """A panel, and the ranks in it by method."""
+
+    panel: Panel
+    ranks: Mapping[str, str]
+
+
 def main_label(name: str, cells: Sequence[Record]) -> str:
     """Return the label of the variant that stands for a method: the default one if there is one."""
     labels = sorted({cell.method for cell in cells}, key=natural)
     return name if name in labels else labels[0]
 
 
-def table(context: ReportContext, name: str) -> Table:
+def standings(context: ReportContext) -> list[Standing]:
+    """Return all panels with the ranks of their methods."""
+    panels = context.results.panels()
+    return [Standing(panel, ranking(panel, context.flip).ranks) for panel in panels]
+
+
+def table(context: ReportContext, name: str, ranked: Sequence[Standing]) -> Table:
     """Return the cells of all variants of a method, with ranks among all methods."""
-    rows: list[Row] = []
-    for panel in context.results.panels():
-        ranks = ranking(panel, context.flip).ranks
-        rows += [
-            _row(context, panel, cell, ranks.get(cell.method))
-            for cell in panel.cells
-            if cell.name == name
-        ]
-    path = context.page(name).with_name(f"{file_name(name)}.csv")
+    rows: list[Row] = [
+        _row(context, panel, cell, ranks.get(cell.method))
+        for panel, ranks in ranked
+        for cell in panel.cells
+        if cell.name == name
+    ]
+    path = context.method_table(name, "cells")
     caption = (
         f"{context.flip} against the truth that ranks the methods of a scene, the rank by it, and "
         "all costs. Shared shading is not included."
@@ -81,10 +92,10 @@ def _row(context: ReportContext, panel: Panel, cell: Record, rank: str | None) -
     )
 
 
-def extremes(context: ReportContext, label: str) -> tuple[Scene, ...]:
+def extremes(context: ReportContext, label: str, ranked: Sequence[Standing]) -> tuple[Scene, ...]:
     """Return the scenes in which a variant has its least and its largest error."""
     found: list[tuple[float, Panel, Record]] = []
-    for panel in context.results.panels():
+    for panel, _ in ranked:
         for cell in panel.finished:
             error = cell.metric(panel.truth, context.flip)
             if cell.method == label and error is not None:

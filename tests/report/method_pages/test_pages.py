@@ -77,7 +77,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def page(folder: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    portraits = {"murk": portrait(), HOSTILE: "no such file"}
+    portraits: dict[str, Portrait | str] = {"murk": portrait(), HOSTILE: "no such file"}
     out = tmp_path_factory.mktemp("page")
     made = write(folder, out, CHOSEN, portraits=portraits, bibliographies=[BIBLIOGRAPHY])
     assert not made.missing
@@ -174,11 +174,15 @@ def test_a_page_shows_the_best_and_the_worst_scene(page: Path) -> None:
 
 
 def test_all_cells_of_all_variants_are_in_the_table(page: Path) -> None:
-    lines = (page.parent / "methods" / "murk.csv").read_text(encoding="utf-8").splitlines()
+    lines = (
+        (page.parent / "methods" / "tables" / "murk" / "cells.csv")
+        .read_text(encoding="utf-8")
+        .splitlines()
+    )
     assert [line.split(",")[:2] for line in lines[1:]] == [
         ["murk", "panes"], ["murk[n=16]", "panes"], ["murk", "lists"]
     ]  # fmt: skip
-    assert (page.parent / "methods" / "murk.tex").is_file()
+    assert (page.parent / "methods" / "tables" / "murk" / "cells.tex").is_file()
 
 
 def test_a_method_without_a_file_shows_its_results(page: Path) -> None:
