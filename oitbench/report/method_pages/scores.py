@@ -6,12 +6,16 @@ from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 from urllib.parse import urlencode
 
+import numpy as np
+
+from oitbench.image.files import Image
 from oitbench.parameters import natural
 from oitbench.report import columns, plates, previews
 from oitbench.report.artifacts import Column, Row, Table, fixed, write_table
 from oitbench.report.cells import effect_labels
 from oitbench.report.context import ReportContext
 from oitbench.report.method_pages.page import Scene
+from oitbench.results.pictures import PICTURE, compared
 from oitbench.results.ranking import ranking
 from oitbench.results.records import Panel
 from oitbench.results.schema import Record
@@ -110,26 +114,35 @@ def extremes(context: ReportContext, label: str, ranked: Sequence[Standing]) -> 
 
 
 def _scene(context: ReportContext, word: str, error: float, panel: Panel, cell: Record) -> Scene:
-    shown = plates.show_cell(context, cell, panel.truth, None, values=())
-    truth = plates.show_truth(context, panel, panel.truth, None)
+    stops = plates.exposure([cell])
+    images = (
+        (TRUTHS[panel.truth], plates.first_image(context, panel, panel.truth)),
+        (cell.method, context.results.image(cell, _picture(cell, panel.truth))),
+    )
+    pictures = [
+        (caption, plates.display(image, stops)) for caption, image in images if image is not None
+    ]
     errors = context.flip_map(cell, panel.truth)
-    top = 0.0 if errors is None else float(errors.max())
-    pictures = {
-        TRUTHS[panel.truth]: truth.picture,
-        cell.method: shown.picture,
+    if errors is not None:
         # The map has a scale of its own, since small errors would be black.
-        f"FLIP map, brightest {fixed(top, 3)}": (
-            None if errors is None else plates.magma(errors / (top or 1.0))
-        ),
-    }
+        top = float(errors.max())
+        pictures.append((f"FLIP map, brightest {fixed(top, 3)}", _colored(errors / (top or 1.0))))
     address = urlencode({"view": panel.slug, "method": cell.method})
     return Scene(
         f"{word}: {panel.title}",
         f"Mean {context.flip} {fixed(error, 4)} against {TRUTHS[panel.truth]}.",
         address,
-        tuple(
-            (caption, previews.preview(picture, _CHARACTERS))
-            for caption, picture in pictures.items()
-            if picture is not None
-        ),
+        tuple((caption, previews.preview(picture, _CHARACTERS)) for caption, picture in pictures),
     )
+
+
+def _picture(cell: Record, truth: str) -> str:
+    return compared(cell.outcome, truth) if cell.outcome is not None else PICTURE
+
+
+def _colored(errors: Image) -> Image:
+    """Return the colors of errors in [0, 1], shape (h, w): black to pale yellow."""
+    import matplotlib
+
+    colors: Image = matplotlib.colormaps["magma"](errors)[..., :3].astype(np.float32)
+    return colors
