@@ -30,7 +30,9 @@ class Lists(oit.Method):
         targets = {"sum": oit.Target("rgba16f"), "near": oit.Target("depth32f")}
         buffers = {"nodes": oit.Buffer({"depth": "float", "color": "vec4"}, Items.FRAGMENTS)}
         fill = oit.Gather("fill.glsl", buffers=("nodes",), depth="near", order=oit.Order.OBJECTS)
-        add = oit.Gather("add.glsl", writes={"sum": oit.ADD}, objects=oit.Objects.PARTICLES)
+        sums = {"sum": oit.ADD}
+        some = oit.Objects.PARTICLES
+        add = oit.Gather("add.glsl", writes=sums, objects=some, depth="near", depth_writes=False)
         over = {"color": oit.OVER}
         end = oit.Resolve("end.glsl", reads=("sum",), writes=over, buffers=("nodes",))
         return oit.Plan(targets, (fill, Loop((add,), times=3), end), buffers)
@@ -80,7 +82,9 @@ def test_passes_have_accesses_and_remarks(portrait: Portrait) -> None:
         Access("near", True, True, "depth test"), Access("nodes", True, True, "append")
     ]  # fmt: skip
     assert (add.draws, add.remark) == ("fragments of particles", "repeated up to 3 times")
-    assert add.accesses == [Access("sum", True, True, "add")]
+    assert add.accesses == [
+        Access("near", True, False, "depth test"), Access("sum", True, True, "add")
+    ]  # fmt: skip
     assert end.draws == "all pixels"
     assert end.accesses == [
         Access("sum", True, False, "read"), Access("color", True, True, "over"),

@@ -14,6 +14,7 @@ import pytest
 import oitbench
 from oitbench.report.comparing import page
 from oitbench.results.baseline import save
+from oitbench.results.records import Results
 from oitbench.results.schema import Renderer
 from tests.made_up import timed
 from tests.report.made_up import FACTS, finished, store
@@ -23,7 +24,7 @@ HOSTILE = "<img src=x onerror=alert(1)>"
 
 @pytest.fixture(scope="module")
 def runs(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
-    """Two runs: murk changes, glow stays, a hostile method is new, and old is gone."""
+    """Two runs: murk changes, glow invisibly, a hostile method is new, and old is gone."""
     before, after = (tmp_path_factory.mktemp(name) for name in ("before", "after"))
     store(
         before,
@@ -39,7 +40,7 @@ def runs(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
     store(
         after,
         msgspec.structs.replace(slow, outcome=outcome),
-        finished(after, "panes", "glow", 0.1),
+        finished(after, "panes", "glow", 0.1 + 1e-6),
         finished(after, HOSTILE, "murk", 0.15),
         finished(after, "panes", HOSTILE, 0.1),
     )
@@ -81,6 +82,16 @@ def test_pictures_that_changed_are_shown_and_no_others(out: Path) -> None:
         assert '"after": {"width": 16' in script
     assert text(out).count("data-preview src=") == 4
     assert text(out).count("signed × 8") == 2 * 2
+
+
+def test_changes_that_no_display_shows_are_no_changes(runs: tuple[Path, Path]) -> None:
+    digests = [
+        record.outcome.images["color"].sha256
+        for run in runs
+        for record in Results.load(run).records
+        if record.method == "glow" and record.outcome is not None
+    ]
+    assert len(set(digests)) == 2
 
 
 def test_metrics_have_their_change_and_tolerance(out: Path) -> None:
