@@ -41,9 +41,9 @@ class Citation:
     version: str
 
     def repeat(self, section: str) -> tuple[str, ...]:
-        """Return the commands, and the one that draws a section of the report."""
-        out = f"oitbench report RESULTS --section {shlex.quote(section)}"
-        return (*self.commands, out)
+        """Return the commands, and the one that draws a section of the report; "" for all."""
+        chosen = f" --section {shlex.quote(section)}" if section else ""
+        return (*self.commands, f"oitbench report RESULTS{chosen}")
 
     def entry(self, figure: str) -> str:
         """Return the BibTeX entry of the suite, from its CITATION.cff, with a note on a figure."""

@@ -65,7 +65,7 @@ def environment(context: ReportContext, folder: Path | None = None) -> Environme
     made.globals["address"] = address
     made.globals["style"] = context.style
     made.globals["is_dark"] = is_dark
-    made.globals["citation"] = context.citation
+    made.globals["citation"], made.globals["section"] = context.citation, ""
     made.globals["facts"] = lambda stack: stacks.facts(context, stack, link(stack.pixels))
     made.globals["color_maps"] = stacks.color_maps
     return made

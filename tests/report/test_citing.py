@@ -25,7 +25,7 @@ def test_a_figure_is_repeated_by_the_command_of_the_run() -> None:
         "oitbench run --method 'a[x=1,2]'",
         "oitbench report RESULTS --section pareto",
     )
-    assert citation(results()).commands == ()
+    assert citation(results()).repeat("") == ("oitbench report RESULTS",)
 
 
 def test_the_entry_is_that_of_the_citation_file() -> None:
