@@ -66,7 +66,7 @@ def build(context: ReportContext) -> list[Artifact]:
     return [
         *map(Note, evidence.faults),
         Note(_summary([verdict for _, verdict in rows])),
-        *(_table(found, verdicts, csv) for found, verdicts in judged),
+        *(_table(place, found, verdicts, csv) for place, (found, verdicts) in enumerate(judged, 1)),
         _repeat(rows, csv),
         _cases([verdict for _, verdict in rows], context.out / "claims-cases.csv"),
     ]
@@ -107,11 +107,11 @@ def _all(found: Source, verdict: Verdict) -> Row:
     return (found.cite, *_row(verdict), *_further(found, verdict))
 
 
-def _table(found: Source, verdicts: Sequence[Verdict], csv: Path) -> Artifact:
+def _table(place: int, found: Source, verdicts: Sequence[Verdict], csv: Path) -> Artifact:
     machine = f" Its numbers: {found.machine}." if found.machine else ""
     caption = f"{_summary(verdicts)}{machine} One line of the CSV file for each claim."
     rows = tuple(_row(verdict) for verdict in verdicts)
-    return Table(found.cite, caption, csv, _COLUMNS, rows)
+    return Table(found.cite, caption, csv, _COLUMNS, rows, stem=f"claims-{place:02d}")
 
 
 def _repeat(rows: Sequence[tuple[Source, Verdict]], csv: Path) -> Artifact:
@@ -121,7 +121,9 @@ def _repeat(rows: Sequence[tuple[Source, Verdict]], csv: Path) -> Artifact:
         "repeats the evidence; `--force` renders finished cells again."
     )
     heading = (_CLAIM, *_FURTHER)
-    return Table("Tests and commands", caption, csv, heading, shown, collapsed=True)
+    return Table(
+        "Tests and commands", caption, csv, heading, shown, collapsed=True, stem="claims-tests"
+    )
 
 
 def _cases(verdicts: Sequence[Verdict], path: Path) -> Artifact:

@@ -72,6 +72,7 @@ def test_the_wheel_contains_engine_and_plugins(wheel: Path) -> None:
     expected = {f"oitbench/{name}" for name in shipped(ROOT / "oitbench")}
     for kind in KINDS:
         expected |= {f"oitbench/collection/{kind}/{name}" for name in shipped(ROOT / kind)}
+    expected.add("oitbench/collection/CITATION.cff")
     assert names == expected
 
 

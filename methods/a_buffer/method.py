@@ -28,11 +28,12 @@ Memory 4 B/pixel + 12 (or 32) B/fragment; `counted` 12 B/pixel + 8 (or 28) B/fra
 from one counter per screen tile of 64 x 64 pixels. When a tile's share is used up, its counter
 still records the demand, and the frame is repeated with enough memory.
 
-Sources: Vasilakis & Fudos 2012, "S-buffer: Sparsity-aware Multi-fragment Rendering", for `counted`;
-Yang et al. 2010, "Real-Time Concurrent Linked List Construction on the GPU", for `linked`; Knowles
-et al. 2014, "Fast Sorting for Exact OIT of Complex Scenes", for sorting in registers; Salvi et al.
-2011, "Adaptive Transparency" (AT), equations 2 and 3. The two equations differ at exactly equal
-depths; here both order ties by content and agree.
+Sources: Vasilakis & Fudos 2012 [VasilakisFudos2012], "S-buffer: Sparsity-aware Multi-fragment
+Rendering", for `counted`; Yang et al. 2010 [Yang2010], "Real-Time Concurrent Linked List
+Construction on the GPU", for `linked`; Knowles et al. 2014 [Knowles2014], "Fast Sorting for Exact
+OIT of Complex Scenes", for sorting in registers; Salvi et al. 2011 [Salvi2011], "Adaptive
+Transparency" (AT), equations 2 and 3. The two equations differ at exactly equal depths; here both
+order ties by content and agree.
 
 Known failures: unbounded memory. `compact` quantizes to 8 bits, one step of 1/255 per layer.
 """

@@ -19,10 +19,10 @@ Memory, `variable`: 4 B/pixel + 12 B/fragment (16 with `rgb`, 32 with `precise`)
 node and pixel, two floats, up to 16 nodes; above, 4 B per node, with 24 bits of depth and 8 bits of
 transmittance.
 
-Source: Salvi, Montgomery & Lefohn 2011, "Adaptive Transparency". Fragments are inserted in
-submission order; lists on GPUs keep the order of arrival instead. The paper's curve is strict (H(0)
-= 0, eq. 5), and so is this one: layers of exactly equal depth do not hide each other, whereas in
-the recursion of eq. 3 one hides the other.
+Source: Salvi, Montgomery & Lefohn 2011 [Salvi2011], "Adaptive Transparency". Fragments are inserted
+in submission order; lists on GPUs keep the order of arrival instead. The paper's curve is strict
+(H(0) = 0, eq. 5), and so is this one: layers of exactly equal depth do not hide each other, whereas
+in the recursion of eq. 3 one hides the other.
 
 Known failures: more than N layers darken (`under`) or brighten (`over`) the picture, which then
 depends on the order of submission. With lists on GPUs it changes from run to run. Many faint layers

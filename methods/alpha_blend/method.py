@@ -6,7 +6,7 @@ The fastest picture, and the unit of every cost ratio: one pass, one blended tar
 exact for one layer, and where the submission happens to run from far to near. With `msaa` 4 the
 hardware blends each layer into the samples that it covers.
 
-Source: Porter & Duff 1984, "Compositing Digital Images", SIGGRAPH.
+Source: Porter & Duff 1984 [PorterDuff1984], "Compositing Digital Images", SIGGRAPH.
 
 Known failures: the image depends on the order of the draws. Colored transmission turns gray. A half
 float stops changing where a layer adds less than 1/2048 of it.

@@ -15,8 +15,8 @@ are the same in every frame, and noise in the opacity would leave them nested.
 Memory is 4 S bytes per pixel of depth, besides the color of S samples. A first pass copies the
 depth of the opaque picture.
 
-Source: OpenGL 4.5, section 17.3.1; in games since Kharlamov, Cantlay & Stepanenko 2007, "Next-
-Generation SpeedTree Rendering" (GPU Gems 3, chapter 4).
+Source: OpenGL 4.5 [OpenGL2014], section 17.3.1; in games since Kharlamov, Cantlay & Stepanenko 2007
+[Kharlamov2007], "Next-Generation SpeedTree Rendering" (GPU Gems 3, chapter 4).
 
 Known failures: layers of equal opacity cover the same samples, so the nearest one hides the others
 completely, and several transmit as much light as one. A layer has one of S + 1 opacities, off by up

@@ -18,8 +18,8 @@ Memory 10 K + 8 B/pixel: color and opacity in RGBA16F, absorbance in a half floa
 shaded for each sample, at its depth.
 
 Source: our own. It is not the layered weighted blending (LWBOIT) of Friederichs, Eisemann &
-Eisemann 2021, of which only the abstract could be read, though it also spreads the fragments over
-layers of depth.
+Eisemann 2021 [Friederichs2021], of which only the abstract could be read, though it also spreads
+the fragments over layers of depth.
 
 Known failures: layers of one slab are averaged without regard to their order, and a far layer
 stretches all slabs. An opaque layer shows layers of its slab that lie behind it. Half-float sums

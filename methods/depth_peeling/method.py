@@ -10,7 +10,7 @@ result is then exact for these first layers. Fragments with zero coverage are no
 Memory 40 B/pixel, or 72 with floats: two depths, the peeled layer, its transmittance, and the sum
 and the product of all layers.
 
-Source: Everitt 2001, "Interactive Order-Independent Transparency", NVIDIA.
+Source: Everitt 2001 [Everitt2001], "Interactive Order-Independent Transparency", NVIDIA.
 
 Known failures: of several fragments at exactly equal depth only the first one drawn is kept, which
 also happens pixel by pixel where two meshes cross. Depth is a float: layers that are closer than

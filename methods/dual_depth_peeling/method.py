@@ -20,11 +20,12 @@ Memory 48 B/pixel; 112 where transmission is colored, and a byte for each block.
 takes most time to blend 40 bytes (104) for each fragment in each pass. A depth test that rejects
 peeled fragments, half floats, or separate passes for depths and colors save no time there.
 
-Source: Bavoil & Myers 2008, "Order Independent Transparency with Dual Depth Peeling", NVIDIA. There
-all targets blend by maximum, so two textures carry the front from pass to pass, and the far layer
-takes another pass over the screen. Here each target has its own blend function: front and back are
-composited at once by the operators under and over, and all fragments of equal depth count, where a
-maximum would merge them. Their total transmittance is exact, and their order is that of the draws.
+Source: Bavoil & Myers 2008 [BavoilMyers2008], "Order Independent Transparency with Dual Depth
+Peeling", NVIDIA. There all targets blend by maximum, so two textures carry the front from pass to
+pass, and the far layer takes another pass over the screen. Here each target has its own blend
+function: front and back are composited at once by the operators under and over, and all fragments
+of equal depth count, where a maximum would merge them. Their total transmittance is exact, and
+their order is that of the draws.
 
 Known failures: at exactly equal depths the order follows no rule. Depth is a float: layers that are
 closer than about 1e-7 of their distance count as equal. The number of geometry passes grows with

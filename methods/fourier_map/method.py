@@ -21,8 +21,8 @@ separately: lists have coverage masks in the low four bits of depth, targets fou
 Memory, `variable`: 4 B/pixel + 12 B/fragment (16 with `rgb`, 32 with `precise`). `fixed`: 4 B per
 coefficient, 4 B unused, and 8 B of bounds per pixel: 72 B for 15 coefficients.
 
-Sources: Jansen & Bavoil 2010, "Fourier Opacity Mapping"; Salvi et al. 2011, "Adaptive
-Transparency", the FOMT of section 4.
+Sources: Jansen & Bavoil 2010 [JansenBavoil2010], "Fourier Opacity Mapping"; Salvi et al. 2011
+[Salvi2011], "Adaptive Transparency", the FOMT of section 4.
 
 Known failures: a few strong layers ring, so that layers between them are darkened or show through.
 The series is periodic, so half of the nearest layer's absorbance appears only at the farthest. An

@@ -17,10 +17,11 @@ three layers two thirds. The pattern does not stick to surfaces then, and depend
 the draws. The image of `frames` is the mean of pictures with other thresholds each; 16 bytes per
 pixel hold the sum.
 
-Sources: Wyman & McGuire 2017, "Hashed Alpha Testing", I3D; Georgiev & Fajardo 2016, "Blue-noise
-dithered sampling". The hash of the former, fract(1e4 sin ...), is not uniform in single precision
-(on planes at 24 distances a Kolmogorov-Smirnov test finds a median of 1.35 / sqrt(n) where chance
-gives 0.83) and differs between drivers; here cells are hashed as integers.
+Sources: Wyman & McGuire 2017 [WymanMcGuire2017], "Hashed Alpha Testing", I3D; Georgiev & Fajardo
+2016 [GeorgievFajardo2016], "Blue-noise dithered sampling". The hash of the former, fract(1e4 sin
+...), is not uniform in single precision (on planes at 24 distances a Kolmogorov-Smirnov test finds
+a median of 1.35 / sqrt(n) where chance gives 0.83) and differs between drivers; here cells are
+hashed as integers.
 
 Known failures: noise of one sample per pixel. Layers that are closer than a cell share a threshold
 and transmit more light than their product, except with `noise=blue`. Light from surfaces without

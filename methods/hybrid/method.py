@@ -17,9 +17,9 @@ Memory 64 k + 80 bits/pixel, 96 k + 80 with `16f`: nodes (alpha L, net opacity a
 sum in RGBA16F and a count in R16F; 16 bits more for an exact T' in R32F, 32 bits more where the
 driver only offers a spin lock. With `msaa` 4 each sample has a core and a tail of its own.
 
-Sources: Maule et al. 2013, "Hybrid Transparency", I3D; the tail is that of Bavoil & Myers 2008.
-Exact T' and the admission: Hahlbohm et al. 2025, "Efficient Perspective-Correct 3D Gaussian
-Splatting Using Hybrid Transparency", Eurographics.
+Sources: Maule et al. 2013 [Maule2013], "Hybrid Transparency", I3D; the tail is that of Bavoil &
+Myers 2008 [BavoilMyers2008]. Exact T' and the admission: Hahlbohm et al. 2025 [Hahlbohm2025],
+"Efficient Perspective-Correct 3D Gaussian Splatting Using Hybrid Transparency", Eurographics.
 
 Known failures: the tail ignores order and transmits too much, since (1 - mean o)^m is never less
 than the product. Faint layers that are not admitted lie behind the core. Transmission is gray.

@@ -12,8 +12,8 @@ include a count of nodes; here empty nodes have the largest depth instead. OpenG
 targets per pass: 16 nodes of 8 bits, 8 of `16f`, 4 of `32f`. With `msaa` 4 each sample has nodes of
 its own.
 
-Sources: Bavoil et al. 2007, "Multi-Fragment Effects on the GPU using the k-Buffer"; Vasilakis &
-Fudos 2014, "k+-buffer", which is order independent like this one.
+Sources: Bavoil et al. 2007 [Bavoil2007], "Multi-Fragment Effects on the GPU using the k-Buffer";
+Vasilakis & Fudos 2014 [VasilakisFudos2014], "k+-buffer", which is order independent like this one.
 
 Known failures: layers beyond the first k do not even attenuate the background. Transmission is
 gray.

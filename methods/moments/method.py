@@ -28,8 +28,9 @@ Memory: b_0 and n floats (20, 28, 36 B) or 16-bit numbers (12, 16, 20 B), 16 B o
 bounds with `linear`; 4 B more for `unorm16` where the driver only offers a spin lock. With `msaa` 4
 each sample has all of these, and layers are shaded for each sample, at its depth.
 
-Source: Muenstermann et al. 2018, "Moment-Based Order-Independent Transparency", I3D. There, n/2
-complex moments are called n/2; their ramp over the gap is nearly linear in angle, here exactly.
+Source: Muenstermann et al. 2018 [Muenstermann2018], "Moment-Based Order-Independent Transparency",
+I3D. There, n/2 complex moments are called n/2; their ramp over the gap is nearly linear in angle,
+here exactly.
 
 Known failures: layers at more than n/2 places show through each other. `log` depends on transparent
 geometry anywhere, even if it is clear or out of view. In `window` depth layers are so close that

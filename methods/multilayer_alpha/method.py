@@ -10,9 +10,9 @@ Memory 64 k bits/pixel, 96 k with `16f`, 160 k with `32f`: nodes with color, net
 depth; 32 bits more where the driver only offers a spin lock. OpenGL guarantees eight targets per
 pass: 16 nodes of 8 bits, 8 of `16f`, 4 of `32f`. With `msaa` 4 each sample has nodes of its own.
 
-Source: Salvi & Vaidyanathan 2014, "Multi-Layer Alpha Blending", I3D. Their nodes hold the
-transmittance 1 - o. Both agree except for rounding: half floats resolve thin layers by opacity, but
-lose transmittances below 2^-12.
+Source: Salvi & Vaidyanathan 2014 [SalviVaidyanathan2014], "Multi-Layer Alpha Blending", I3D. Their
+nodes hold the transmittance 1 - o. Both agree except for rounding: half floats resolve thin layers
+by opacity, but lose transmittances below 2^-12.
 
 Known failures: beyond k layers the image depends on the order of the draws, and an opaque layer
 need not hide the layers behind it: a far fragment that came early can be merged into a nearer node.

@@ -13,10 +13,10 @@ Memory 64 k + 64 bits/pixel: nodes as in multi-layer alpha blending, and two flo
 with `16f`, 160 k + 64 with `32f`; 32 bits more where the driver only offers a spin lock. With
 `msaa` 4 each sample has nodes and depths of its own.
 
-Source: Kern, Neuhauser, Maack, Han, Usher & Westermann 2020, "A Comparison of Rendering Techniques
-for 3D Line Sets with Transparency", TVCG, MLABDB; constants of their code. Here, depths are view
-distances, which are equal bit for bit in both passes: so no tolerance is added to `hidden`. Layers
-with o < 0.001 are kept, because they may shine.
+Source: Kern, Neuhauser, Maack, Han, Usher & Westermann 2020 [Kern2020], "A Comparison of Rendering
+Techniques for 3D Line Sets with Transparency", TVCG, MLABDB; constants of their code. Here, depths
+are view distances, which are equal bit for bit in both passes: so no tolerance is added to
+`hidden`. Layers with o < 0.001 are kept, because they may shine.
 
 Known failures: where no layer is stronger than `lower`, as in smoke and hair, all layers merge into
 node 0 in the order of the draws. Behind k - 1 strong layers the image depends on that order, too.

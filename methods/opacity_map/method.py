@@ -19,8 +19,9 @@ separately: lists have coverage masks in the low four bits of depth, targets fou
 Memory, `variable`: 4 B/pixel + 12 B/fragment (16 with `rgb`, 32 with `precise`). `fixed`: 4 B per
 slice and 8 B of bounds per pixel, 72 B for the 16 slices of the paper's table.
 
-Sources: Kim & Neumann 2001, "Opacity Shadow Maps"; Salvi et al. 2011, "Adaptive Transparency",
-the OSMT of section 4. Kim & Neumann sum opacity; its logarithm makes the total exact.
+Sources: Kim & Neumann 2001 [KimNeumann2001], "Opacity Shadow Maps"; Salvi et al. 2011 [Salvi2011],
+"Adaptive Transparency", the OSMT of section 4. Kim & Neumann sum opacity; its logarithm makes the
+total exact.
 
 Known failures: layers are darkened by themselves and by layers behind them in the same slice. Bands
 appear where layers cross slices. A single far layer stretches all slices. An opaque layer counts as

@@ -55,13 +55,14 @@ is 3.95 pixels, and offsets have steps of half a pixel and end at 63 pixels afte
 that glass of many strongly bent layers shows streaks in the order of its draws. `half` and `float`
 store all targets in that format, and `float` also the final color.
 
-Source: McGuire & Mara 2017, "Phenomenological transparency", IEEE TVCG, equations 1 to 14 and
-listings 1 and 3; McGuire & Mara 2016, I3D. Where text and listings disagree: beta has no factor
-1/3; D is weighted by alpha; k1 is the text's 0.5 m; k0, which the text does not give, is chosen as
-above, and the listing's 120/63 stored and decoded, 381 pixel meters, over its focal lengths is 0.25
-m; f belongs into D, so that blur scales with resolution; variances add, not deviations; the bent
-ray is Snell's, also at faces where it leaves a solid; offsets are encoded and decoded by 63 pixels;
-self-modulation is TVCG's, under which opaque layers keep their brightness.
+Source: McGuire & Mara 2017 [McGuireMara2017], "Phenomenological transparency", IEEE TVCG, equations
+1 to 14 and listings 1 and 3; McGuire & Mara 2016 [McGuireMara2016], I3D. Where text and listings
+disagree: beta has no factor 1/3; D is weighted by alpha; k1 is the text's 0.5 m; k0, which the text
+does not give, is chosen as above, and the listing's 120/63 stored and decoded, 381 pixel meters,
+over its focal lengths is 0.25 m; f belongs into D, so that blur scales with resolution; variances
+add, not deviations; the bent ray is Snell's, also at faces where it leaves a solid; offsets are
+encoded and decoded by 63 pixels; self-modulation is TVCG's, under which opaque layers keep their
+brightness.
 
 Known failures: behind several tinted layers 8 bits resolve beta to one part in three, so S depends
 on the order of the draws. A layer of colored transmission tints its own reflection by (1 - t) / (1

@@ -7,8 +7,8 @@ single pass attenuates each channel separately; fixed-function blending with one
 Sorting runs on the CPU and is timed separately. With `msaa` 4 the hardware blends each triangle
 into the samples that it covers, in one order for all samples.
 
-Source: the over operator of Porter & Duff 1984 with RGB transmittance (McGuire & Mara 2017,
-"Phenomenological Transparency", eq. 1 unrolled).
+Source: the over operator of Porter & Duff 1984 [PorterDuff1984] with RGB transmittance (McGuire &
+Mara 2017 [McGuireMara2017], "Phenomenological Transparency", eq. 1 unrolled).
 
 Known failures: objects that contain or intersect each other (`object`), triangles that intersect or
 overlap in a cycle, large triangles with misleading centroids, popping when the order flips.

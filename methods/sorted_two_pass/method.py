@@ -7,7 +7,8 @@ glass with fixed-function blending, at 2n draws and twice the traffic of one pas
 the CPU and is timed separately. With `msaa` 4 both halves are blended into the samples that the
 surface covers.
 
-Source: McGuire & Mara 2017, "Phenomenological Transparency", section 2 and figures 7 and 12.
+Source: McGuire & Mara 2017 [McGuireMara2017], "Phenomenological Transparency", section 2 and
+figures 7 and 12.
 
 Known failures: exact only if each unit has one layer per pixel. With two, both are added after both
 have multiplied, so the near one does not attenuate the far one.

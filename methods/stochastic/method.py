@@ -7,7 +7,7 @@ visibility, without any sorting:
 
     depth:  v = #{s: z <= z_s} / S,               C = T C0 + (1 - T) sum alpha L v / sum o v
     alpha:  v = #{s taken: z = z_s} / (o S),      C = T C0 + (1 - T) sum alpha L v / sum o v
-    none:   v as for alpha,                       C = (1 - sum o v) C0 + sum alpha L v
+    none:   v as for `alpha`,                     C = (1 - sum o v) C0 + sum alpha L v
 
 with the exact T = prod (1 - o). `none` and the sum of `depth` are right in the mean. A ratio of
 sums is exact where all layers share a color, and slightly biased elsewhere.
@@ -31,8 +31,9 @@ their distance do not hide each other. Memory is 4 S + 10 bytes per pixel for at
 (4 S + 40 with `msaa`); `none` has no T and 2 bytes less. Several frames add 16 bytes per pixel and
 sample of color for the sum.
 
-Sources: Enderton et al. 2010, "Stochastic Transparency"; Salvi et al. 2011, section 4, for samples
-in several buffers of one pass; Georgiev & Fajardo 2016, "Blue-noise dithered sampling".
+Sources: Enderton et al. 2010 [Enderton2010], "Stochastic Transparency"; Salvi et al. 2011
+[Salvi2011], section 4, for samples in several buffers of one pass; Georgiev & Fajardo 2016
+[GeorgievFajardo2016], "Blue-noise dithered sampling".
 
 Known failures: noise of about sqrt(v (1 - v) / S), less for a single layer. Two triangles of one
 surface have different masks. Layers of exactly equal depth do not hide each other, so `none`

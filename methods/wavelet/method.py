@@ -20,7 +20,7 @@ compositing. `variable`, `rgb` and `msaa` are those of `opacity_map`.
 Memory, `fixed`: 16, 32 or 64 B of coefficients for ranks 1, 2 and 3 (half of it with `half`), 8 B
 of bounds and 16 B of sums per pixel.
 
-Source: Aizenshtein et al. 2022, "Wavelet Transparency", arXiv 2201.00094.
+Source: Aizenshtein et al. 2022 [Aizenshtein2022], "Wavelet Transparency", arXiv 2201.00094.
 
 Known failures: layers in one bin hide each other by parts, in no order. A single far layer
 stretches all bins. With `half`, differences of large coefficients lose faint layers, and T drifts.

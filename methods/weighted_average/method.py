@@ -13,7 +13,8 @@ Only layers that absorb are counted: a layer with o = 0 hides nothing and must n
 Where S.a is below 1e-4 the factor (1 - r) / S.a is replaced by its limit, one, so that highlights
 on clear glass stay.
 
-Source: Bavoil & Myers 2008, "Order Independent Transparency with Dual Depth Peeling", NVIDIA.
+Source: Bavoil & Myers 2008 [BavoilMyers2008], "Order Independent Transparency with Dual Depth
+Peeling", NVIDIA.
 
 Known failures: depth is ignored. Swapping two layers changes nothing, and an opaque front layer
 hides neither the layers behind it nor, beside thin layers, the background. Half-float sums stall

@@ -19,9 +19,10 @@ those of other scenes.
 bits. `half` and `float` store both in that format, and `float` also the final color. With `msaa` 4
 each sample has sums of its own, four times the memory, and weights are those of pixel centers.
 
-Source: McGuire & Bavoil 2013, JCGT 2(2), equations 7 to 10. Ports that print 5 instead of 10 in
-equation 8, 10 instead of 0.03 in equation 9, or 1 - d^3 in equation 10 disagree with the paper and
-with each other; these are the constants on which at least two ports and the paper agree.
+Source: McGuire & Bavoil 2013 [McGuireBavoil2013], JCGT 2(2), equations 7 to 10. Ports that print 5
+instead of 10 in equation 8, 10 instead of 0.03 in equation 9, or 1 - d^3 in equation 10 disagree
+with the paper and with each other; these are the constants on which at least two ports and the
+paper agree.
 
 Known failures: a front layer with alpha = 1 hides the background but not the color of transparent
 layers behind it. At w = 3000 the half-float sum saturates after 21 white layers. Weights that reach

@@ -7,7 +7,7 @@ on depth. 64 bits per pixel, 16 bytes of blending per fragment, both four times 
 published, the weight of the background, and with it the color, is negative where opacities sum to
 more than one.
 
-Source: Meshkin 2007, "Sort-Independent Alpha Blending", GDC.
+Source: Meshkin 2007 [Meshkin2007], "Sort-Independent Alpha Blending", GDC.
 
 Known failures: exact for one layer and approximately for thin ones only. Opaque layers add up like
 thin ones, so deep stacks become ever brighter, and the background turns negative; half floats clip

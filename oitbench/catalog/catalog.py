@@ -22,6 +22,8 @@ from oitbench.catalog.messages import (
     Inspected,
     Kind,
     Nothing,
+    Portrait,
+    Portray,
     Reply,
     Resolve,
     Resolved,
@@ -264,6 +266,23 @@ class Catalog:
             raise DeclarationError(method.error)
         request = Demand(method.label, self.path("method", method.name))
         return self._worker.ask(request, DemandsFound, self._load_seconds, retry=True).demands
+
+    def portrait(self, label: str) -> Portrait | str:
+        """Return a method as its file describes it; one line with the reason if it cannot be used.
+
+        Parameters
+        ----------
+        label : str
+            Of the method with its parameters.
+        """
+        name = label.partition("[")[0]
+        if name not in self.places.methods:
+            return f"no collection has a method '{name}'; --collection adds one"
+        path = self.path("method", name)
+        try:
+            return self._worker.ask(Portray(label, path), Portrait, self._load_seconds, retry=True)
+        except OitbenchError as error:
+            return f"{path}: {error}"
 
     def effects_axes(
         self, scene: Choice, methods: Sequence[Choice], timeout: float | None

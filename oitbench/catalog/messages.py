@@ -7,6 +7,7 @@ from typing import Literal
 
 from msgspec import Struct
 
+from oitbench.catalog.outline import Outline
 from oitbench.crops import Crop
 from oitbench.method.demands import Demands
 from oitbench.needs import Need
@@ -51,6 +52,13 @@ class Axes(Struct, frozen=True, tag=True):
 
 class Demand(Struct, frozen=True, tag=True):
     """Asks what a method demands; `label` selects it, and `path` is its file."""
+
+    label: str
+    path: Path
+
+
+class Portray(Struct, frozen=True, tag=True):
+    """Asks for the portrait of a method; `label` selects it, and `path` is its file."""
 
     label: str
     path: Path
@@ -119,6 +127,37 @@ class DemandsFound(Struct, frozen=True, tag=True):
     demands: Demands
 
 
+class Portrait(Struct, frozen=True, tag=True):
+    """A method as its file describes it.
+
+    Parameters
+    ----------
+    label : str
+    doc : str
+        The docstring.
+    family : str
+    parameters : dict of str to (str, str, str)
+        The value, the choices if there are some, and the meaning.
+    promises, expresses : list of str
+    demands : Demands
+        In a scene that requests all effects that the method shows.
+    outline : Outline
+        Of what it declares for such a scene.
+    fingerprint : str
+        Of its parameters and sources.
+    """
+
+    label: str
+    doc: str
+    family: str
+    parameters: dict[str, tuple[str, str, str]]
+    promises: list[str]
+    expresses: list[str]
+    demands: Demands
+    outline: Outline
+    fingerprint: str
+
+
 class Inspected(Struct, frozen=True, tag=True):
     """The file can be imported.
 
@@ -134,5 +173,5 @@ class Inspected(Struct, frozen=True, tag=True):
     files: dict[str, Path]
 
 
-Request = Resolve | Describe | Axes | Demand | Inspect
-Reply = Resolved | Entry | AxesFound | DemandsFound | Inspected
+Request = Resolve | Describe | Axes | Demand | Portray | Inspect
+Reply = Resolved | Entry | AxesFound | DemandsFound | Portrait | Inspected

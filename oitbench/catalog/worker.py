@@ -8,6 +8,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
+from oitbench import parameters as selectors
 from oitbench.catalog.messages import (
     AxesFound,
     Demand,
@@ -17,14 +18,19 @@ from oitbench.catalog.messages import (
     Inspect,
     Inspected,
     Nothing,
+    Portrait,
+    Portray,
     Reply,
     Request,
     Resolve,
     Resolved,
 )
+from oitbench.catalog.outline import outline
 from oitbench.effects import names
 from oitbench.errors import DeclarationError, OitbenchError, locate
+from oitbench.fingerprints.code import method_fingerprint
 from oitbench.method.ablation import effects_axis
+from oitbench.method.declaration import Method
 from oitbench.method.demands import default_demands
 from oitbench.places import Places
 from oitbench.plugins import Collection, installed_folder
@@ -46,6 +52,8 @@ def _begin(settings: Nothing, on_step: OnStep) -> Callable[[Request], Reply]:
             return _inspect(collection, request)
         if isinstance(request, Demand):
             return _demands(collection, request)
+        if isinstance(request, Portray):
+            return _portrait(collection, request)
         for name, path in request.method_paths.items():
             collection.places.methods.add(name, path)
         collection.places.scenes.add(request.scene.partition("[")[0], request.scene_path)
@@ -79,9 +87,36 @@ def _inspect(collection: Collection, request: Inspect) -> Inspected:
 
 
 def _demands(collection: Collection, request: Demand) -> DemandsFound:
+    return DemandsFound(default_demands(_selected(collection, request)))
+
+
+def _portrait(collection: Collection, request: Portray) -> Portrait:
+    method = _selected(collection, request)
+    parameters = {key: _parameter(method, key) for key in method.parameters}
+    return Portrait(
+        method.label,
+        method.__doc__ or "",
+        method.family,
+        parameters,
+        sorted(method.promised),
+        [effect.lower() for effect in names(method.expresses)],
+        default_demands(method),
+        outline(method),
+        method_fingerprint(method),
+    )
+
+
+def _parameter(method: Method, key: str) -> tuple[str, str, str]:
+    """Return the value of a parameter, its choices, and its meaning."""
+    parameter = method.parameters[key]
+    choices = ", ".join(map(selectors.text, parameter.choices))
+    return selectors.text(method.values[key]), choices, parameter.help
+
+
+def _selected(collection: Collection, request: Demand | Portray) -> Method:
     collection.places.methods.add(request.label.partition("[")[0], request.path)
     (method,) = collection.expand_methods([request.label])
-    return DemandsFound(default_demands(method))
+    return method
 
 
 def _method(collection: Collection, name: str, path: Path) -> Entry:

@@ -59,6 +59,8 @@ class Source(Struct, frozen=True, forbid_unknown_fields=True):
     ----------
     cite : str
         Authors, year, title, and where it appeared.
+    key : str
+        Of its entry in the bibliography; empty if it has none.
     machine : str
         On which its numbers were measured; empty if it names none.
     claim : list of Claim
@@ -66,6 +68,7 @@ class Source(Struct, frozen=True, forbid_unknown_fields=True):
 
     cite: Text
     claim: list[Claim]
+    key: str = ""
     machine: str = ""
 
 

@@ -9,6 +9,9 @@ from typing import TYPE_CHECKING
 
 import click
 
+from oitbench.cli import options
+from oitbench.errors import UsageError
+
 if TYPE_CHECKING:
     from oitbench.results.comparison import Comparison
 
@@ -19,7 +22,17 @@ _WIDE = 200
 @click.argument("results", type=click.Path(path_type=Path))
 @click.argument("baseline", type=click.Path(path_type=Path))
 @click.option("--json", "as_json", is_flag=True, help="Print the comparison as JSON.")
-def command(results: Path, baseline: Path, as_json: bool) -> None:
+@click.option("--html", is_flag=True, help="Also write a page, with the pictures that changed.")
+@click.option(
+    "-o",
+    "--out",
+    type=click.Path(file_okay=False, path_type=Path),
+    help="Folder of the page. Default: `compare` in the results folder.",
+)
+@options.open_page
+def command(
+    results: Path, baseline: Path, as_json: bool, html: bool, out: Path | None, opens: bool
+) -> None:
     """Compare RESULTS with BASELINE, a baseline file or another results folder.
 
     The exit code is 1 if a quality metric became worse by more than its tolerance, if a count
@@ -28,7 +41,17 @@ def command(results: Path, baseline: Path, as_json: bool) -> None:
     """
     from oitbench.results.comparison import compare
 
-    show(compare(results, baseline), as_json)
+    if not html and (out is not None or opens):
+        raise UsageError("--out and --open are of the page; add --html")
+    comparison = compare(results, baseline)
+    if html:
+        from oitbench.report.comparing import page
+
+        path = page.write(comparison, results, baseline, out or results / "compare")
+        click.echo(path, err=as_json)
+        if opens:
+            options.show_page(path)
+    show(comparison, as_json)
 
 
 def show(comparison: Comparison, as_json: bool = False) -> None:

@@ -79,6 +79,7 @@ def command(
     from oitbench.catalog.catalog import Catalog
     from oitbench.papers.listing import figures_of, read_papers
     from oitbench.report import write
+    from oitbench.report.bibliography import NAME
     from oitbench.report.markdown import tables
     from oitbench.results.records import Results, parts
 
@@ -90,19 +91,33 @@ def command(
         return
     with Catalog(collections) as catalog:
         found, papers = catalog.places.reports, read_papers(catalog.places.folders)
-        records = (record for folder in folders for record in Results.load(folder).records)
+        records = [record for folder in folders for record in Results.load(folder).records]
         crops = catalog.crops(sorted({record.scene.partition("[")[0] for record in records}))
         if figures:
             paths = _draw(catalog, folders, papers, figures, out, hdr, crops, timeout)
             click.echo("\n".join(map(str, paths)))
             return
+        portraits = {name: catalog.portrait(name) for name in sorted({r.name for r in records})}
+        bibliographies = [
+            path
+            for path in (f / "reports" / NAME for f in catalog.places.folders)
+            if path.is_file()
+        ]
     apart = figures_of(papers.values())
     reports = {name: found[name] for name in sections or found if sections or name not in apart}
     missing = False
     for folder in folders:
         place = out / folder.name if out is not None and len(folders) > 1 else out
         page = write(
-            folder, place, reports, hdr=hdr, single_file=single_file, crops=crops, timeout=timeout
+            folder,
+            place,
+            reports,
+            hdr=hdr,
+            single_file=single_file,
+            crops=crops,
+            portraits=portraits,
+            bibliographies=bibliographies,
+            timeout=timeout,
         )
         for reason in page.missing:
             click.echo(f"section left out: {reason}", err=True)

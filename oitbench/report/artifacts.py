@@ -77,7 +77,10 @@ class Column:
 
 @dataclass(frozen=True)
 class Table:
-    """A table that readers can sort and filter; a `collapsed` one opens with a click."""
+    """A table that readers can sort and filter; a `collapsed` one opens with a click.
+
+    `stem` is the name of its LaTeX file without suffix, by default that of the CSV file.
+    """
 
     title: str
     caption: str
@@ -85,6 +88,12 @@ class Table:
     columns: tuple[Column, ...]
     rows: tuple[Row, ...]
     collapsed: bool = False
+    stem: str = ""
+
+    @property
+    def tex(self) -> Path:
+        """The LaTeX file, which `latex.write_all` writes."""
+        return self.csv.with_name(f"{self.stem or self.csv.stem}.tex")
 
     @property
     def visible(self) -> list[int]:
@@ -260,7 +269,43 @@ class HeatTable:
     rows: tuple[tuple[str, str, tuple[Shade, ...]], ...]
 
 
-Artifact = Figure | Table | ImageGrid | Stack | Note | Statement | Choices | HeatTable
+@dataclass(frozen=True)
+class Part:
+    """HTML that opens with a click; `anchor` is its id."""
+
+    anchor: str
+    title: str
+    html: str
+
+
+@dataclass(frozen=True)
+class Parts:
+    """Parts of a section, each of which opens with a click."""
+
+    parts: tuple[Part, ...]
+
+
+@dataclass(frozen=True)
+class Reference:
+    """A source: its key, a sentence, those that cite it, and its BibTeX entry."""
+
+    key: str
+    text: str
+    cited_by: tuple[str, ...]
+    bibtex: str
+
+
+@dataclass(frozen=True)
+class References:
+    """A bibliography, and the BibTeX file of all its entries."""
+
+    entries: tuple[Reference, ...]
+    bib: Path
+
+
+Artifact = (
+    Figure | Table | ImageGrid | Stack | Note | Statement | Choices | HeatTable | Parts | References
+)
 
 
 def decimal(value: float, digits: int = 3) -> str:

@@ -8,10 +8,13 @@ from functools import cached_property
 from pathlib import Path
 
 from oitbench import crops
+from oitbench.catalog.messages import Portrait
 from oitbench.crops import Crop
+from oitbench.filenames import file_name
 from oitbench.image import metrics
 from oitbench.image.files import Image
 from oitbench.report import palette
+from oitbench.report.citing import Citation, citation
 from oitbench.report.palette import Style
 from oitbench.results.records import Panel, Results
 from oitbench.results.schema import Record
@@ -33,6 +36,14 @@ class ReportContext:
         Parts of pictures by the name of a scene, as its file states them.
     variants : mapping of str to str
         Methods that figures of this page show instead of others, by the labels of those.
+    portraits : mapping of str to Portrait or str
+        Methods as their files describe them, by bare name; else the reason why they do not.
+    bibliographies : tuple of Path
+        BibTeX files with the sources of methods and claims.
+    pages : bool
+        Whether a report writes pages of methods, to which names of methods link.
+    single_file : bool
+        Whether these pages are parts of the page, and not files.
     """
 
     results: Results
@@ -40,6 +51,10 @@ class ReportContext:
     hdr: bool = False
     crops: Mapping[str, Mapping[str, Crop]] = field(default_factory=dict)
     variants: Mapping[str, str] = field(default_factory=dict)
+    portraits: Mapping[str, Portrait | str] = field(default_factory=dict)
+    bibliographies: tuple[Path, ...] = ()
+    pages: bool = False
+    single_file: bool = False
 
     @property
     def flip(self) -> str:
@@ -64,9 +79,26 @@ class ReportContext:
         return self._styles[label]
 
     @cached_property
+    def citation(self) -> Citation:
+        """How to cite the results, and how to repeat them."""
+        return citation(self.results)
+
+    @cached_property
+    def names(self) -> Mapping[str, str]:
+        """The bare names of methods by their labels."""
+        return {record.method: record.name for record in self.results.records}
+
+    def page(self, name: str) -> Path:
+        """Return the file of the page of a method, by its bare name."""
+        return self.out / "methods" / f"{file_name(name)}.html"
+
+    def method_table(self, name: str, kind: str) -> Path:
+        """Return the CSV file of a table of that page; `kind` is its name."""
+        return self.out / "methods" / "tables" / file_name(name) / f"{kind}.csv"
+
+    @cached_property
     def _styles(self) -> Mapping[str, Style]:
-        names = {record.method: record.name for record in self.results.records}
-        return palette.styles(names, self.families)
+        return palette.styles(self.names, self.families)
 
     @cached_property
     def families(self) -> Mapping[str, str]:

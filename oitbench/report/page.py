@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
+from oitbench.catalog.messages import Portrait
 from oitbench.crops import Crop
 from oitbench.report.artifacts import Note, writing_to
 from oitbench.report.cells import effect_labels
@@ -26,6 +27,8 @@ VIEWER = (
 """Scripts of the viewer in `viewer/`, in the order in which the page has them."""
 
 
+METHODS = "methods"
+"""The report that writes the pages of methods, to which names of methods link if it is there."""
 _REMARKS = "Not drawn"
 HEADING = "Order-independent transparency: accuracy and cost"
 
@@ -75,6 +78,8 @@ def write(
     hdr: bool = False,
     single_file: bool = False,
     crops: Mapping[str, Mapping[str, Crop]] | None = None,
+    portraits: Mapping[str, Portrait | str] | None = None,
+    bibliographies: Sequence[Path] = (),
     timeout: float | None = SECONDS,
     edition: Edition | None = None,
 ) -> Page:
@@ -97,6 +102,10 @@ def write(
         Put all files that the page needs into it, however large it becomes.
     crops : mapping of str to mapping of str to Crop, optional
         Parts of pictures by the name of a scene.
+    portraits : mapping of str to Portrait or str, optional
+        Methods as their files describe them, by bare name; else the reason why they do not.
+    bibliographies : sequence of path
+        BibTeX files with the sources of methods and claims.
     timeout : float, optional
         Seconds that one section may take. None: no limit.
     edition : Edition, optional
@@ -109,7 +118,17 @@ def write(
     """
     results = Results.load(results_folder)
     out = folder_of(results, out_folder)
-    context = ReportContext(results, out, hdr, crops or {}, edition.variants if edition else {})
+    context = ReportContext(
+        results,
+        out,
+        hdr,
+        crops or {},
+        variants=edition.variants if edition else {},
+        portraits=portraits or {},
+        bibliographies=tuple(bibliographies),
+        pages=METHODS in reports,
+        single_file=single_file,
+    )
     page = out / "index.html"
     with writing_to(out):
         sections = build_sections(context, reports, timeout)
@@ -139,7 +158,7 @@ def _edited(context: ReportContext, sections: Sequence[Section], edition: Editio
     if edition.remarks:
         notes = [Note(f"{about}: {text}.") for about, text in edition.remarks.items()]
         template = environment(context).get_template("section.html")
-        body = template.render(artifacts=notes, heading=_REMARKS)
+        body = template.render(artifacts=notes, section="remarks", heading=_REMARKS)
         edited.append(Section("remarks", _REMARKS, body=body))
     return edited
 
@@ -160,7 +179,7 @@ def _render(context: ReportContext, sections: Sequence[Section], heading: str) -
             troubled=[record for record in results.records if record.status != "ok"],
             incomplete=_incomplete(results.records),
             faults=list(dict.fromkeys(line for item in sections for line in item.faults)),
-            facts=_facts(results.facts),
+            facts=facts_of(results.facts),
             disturbed=disturbed_scenes(results.records),
             sign=SIGN,
             viewer=VIEWER,
@@ -180,7 +199,7 @@ def _incomplete(records: Sequence[Record]) -> dict[tuple[str, str], list[str]]:
     return found
 
 
-def _facts(facts: RunFacts) -> list[tuple[str, str]]:
+def facts_of(facts: RunFacts) -> list[tuple[str, str]]:
     """Return the facts of the run as names and values; unknown facts are left out."""
     gl, cpu, git = facts.gl, facts.cpu, facts.git
     cores = f", {cpu.cores} cores" if cpu and cpu.cores else ""

@@ -73,7 +73,15 @@ def build_sections(
     """
     crops = {scene: dict(found) for scene, found in context.crops.items()}
     settings = Settings(
-        context.results.folder, context.out, context.hdr, crops, dict(context.variants)
+        context.results.folder,
+        context.out,
+        context.hdr,
+        crops,
+        dict(context.variants),
+        dict(context.portraits),
+        list(context.bibliographies),
+        context.pages,
+        context.single_file,
     )
     count = max(1, min(len(usable_cores()), len(reports), _MOST_WORKERS))
     limit = memory.share(count) if memory_limit is None else memory_limit

@@ -14,10 +14,12 @@ _LINK = re.compile(r' (src|href)="([^"#:][^":]*)"')
 _MARK = "<!-- pixels -->"
 """The place in the page where the scripts go."""
 _KINDS = {
+    ".bib": "text/x-bibtex",
     ".csv": "text/csv",
     ".gif": "image/gif",
     ".pdf": "application/pdf",
     ".png": "image/png",
+    ".tex": "text/x-tex",
     ".webp": "image/webp",
 }
 

@@ -8,13 +8,16 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 from urllib.parse import quote
 
-from oitbench.report import stacks
+from oitbench.filenames import file_name
+from oitbench.report import latex, stacks
 from oitbench.report.artifacts import (
     Choices,
     Figure,
     HeatTable,
     ImageGrid,
     Note,
+    Parts,
+    References,
     Stack,
     Statement,
     Table,
@@ -26,13 +29,14 @@ if TYPE_CHECKING:
     from jinja2 import Environment
 
 
-def environment(context: ReportContext) -> Environment:
-    """Return the templates of this folder, for a page in `context.out`."""
+def environment(context: ReportContext, folder: Path | None = None) -> Environment:
+    """Return the templates of this area, for a page in `folder`; by default in `context.out`."""
     from jinja2 import Environment, FunctionLoader, StrictUndefined
 
-    folder = resources.files("oitbench.report")
+    place = context.out if folder is None else folder
+    sources = resources.files("oitbench.report")
     made = Environment(
-        loader=FunctionLoader(lambda name: (folder / name).read_text(encoding="utf-8")),
+        loader=FunctionLoader(lambda name: (sources / name).read_text(encoding="utf-8")),
         autoescape=True,
         undefined=StrictUndefined,
         trim_blocks=True,
@@ -40,16 +44,33 @@ def environment(context: ReportContext) -> Environment:
     )
     kinds: dict[type, str] = {
         Figure: "figure", Table: "table", ImageGrid: "grid", Stack: "stack", Note: "note",
-        Statement: "statement", Choices: "choices", HeatTable: "heat",
+        Statement: "statement", Choices: "choices", HeatTable: "heat", Parts: "parts",
+        References: "references",
     }  # fmt: skip
     made.filters["kind"] = lambda artifact: kinds[type(artifact)]
 
     def link(path: Path) -> str:
-        return quote(os.fsencode(Path(os.path.relpath(path, context.out)).as_posix()))
+        return quote(os.fsencode(Path(os.path.relpath(path, place)).as_posix()))
+
+    def address(label: str) -> str:
+        """Return the address of the page of a method; empty if it has none."""
+        name = context.names.get(label)
+        if not context.pages or name is None:
+            return ""
+        return f"#{anchor(name)}" if context.single_file else link(context.page(name))
 
     made.filters["link"] = link
+    made.filters["anchor"] = anchor
+    made.filters["tex"] = latex.path
+    made.globals["address"] = address
     made.globals["style"] = context.style
     made.globals["is_dark"] = is_dark
+    made.globals["citation"], made.globals["section"] = context.citation, ""
     made.globals["facts"] = lambda stack: stacks.facts(context, stack, link(stack.pixels))
     made.globals["color_maps"] = stacks.color_maps
     return made
+
+
+def anchor(name: str) -> str:
+    """Return the id of the part of the page that describes a method."""
+    return f"method-{file_name(name)}".replace("%", "~")

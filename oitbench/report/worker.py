@@ -7,10 +7,12 @@ from pathlib import Path
 
 from msgspec import Struct
 
+from oitbench.catalog.messages import Portrait
 from oitbench.crops import Crop
 from oitbench.errors import DeclarationError, OitbenchError, locate, printable
 from oitbench.places import Places
 from oitbench.plugins import Collection
+from oitbench.report import latex
 from oitbench.report.artifacts import Artifact, Figure, ImageGrid, Stack, writing_to
 from oitbench.report.context import ReportContext
 from oitbench.report.templates import environment
@@ -31,6 +33,10 @@ class Settings(Struct, frozen=True):
     hdr: bool
     crops: dict[str, dict[str, Crop]]
     variants: dict[str, str]
+    portraits: dict[str, Portrait | str]
+    bibliographies: list[Path]
+    pages: bool
+    single_file: bool
 
 
 class BuildSection(Struct, frozen=True, tag=True):
@@ -59,7 +65,17 @@ class SectionBuilt(Struct, frozen=True, tag=True):
 def _begin(settings: Settings, on_step: OnStep) -> Callable[[BuildSection], SectionBuilt]:
     collection = Collection(Places())
     results = Results.load(settings.results)
-    context = ReportContext(results, settings.out, settings.hdr, settings.crops, settings.variants)
+    context = ReportContext(
+        results,
+        settings.out,
+        settings.hdr,
+        settings.crops,
+        settings.variants,
+        settings.portraits,
+        tuple(settings.bibliographies),
+        settings.pages,
+        settings.single_file,
+    )
     template = environment(context).get_template("section.html")
 
     def answer(request: BuildSection) -> SectionBuilt:
@@ -71,7 +87,10 @@ def _begin(settings: Settings, on_step: OnStep) -> Callable[[BuildSection], Sect
         try:
             with writing_to(context.out):
                 artifacts = list(module.build(context))
-                body = template.render(artifacts=artifacts, heading=module.title)
+                latex.write_all(artifacts)
+                body = template.render(
+                    artifacts=artifacts, section=request.name, heading=module.title
+                )
             return SectionBuilt(
                 printable(str(module.title)),
                 printable(" ".join((module.__doc__ or "").split())),

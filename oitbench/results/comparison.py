@@ -49,9 +49,13 @@ class Tolerance:
         """Return "worse" or "better", or None if the values agree."""
         before, now = min(before, self.ceiling), min(now, self.ceiling)
         change = before - now if self.higher_is_better else now - before
-        if abs(change) <= self.absolute + self.relative * abs(before):
+        if abs(change) <= self.allowed(before):
             return None
         return WORSE if change > 0 else BETTER
+
+    def allowed(self, before: float) -> float:
+        """Return the largest change that counts as none."""
+        return self.absolute + self.relative * abs(before)
 
 
 TOLERANCES: Mapping[str, Tolerance] = {
@@ -90,6 +94,8 @@ class Difference:
         Regressions are "missing" (only in the baseline), "orphaned" (only in the run), "changed" (a
         value that must not change), "lost" (a value that no longer exists) and "worse"; the others
         are "better", "slower" and "faster".
+    allowed : float, optional
+        The largest change that counts as none; None for texts, times and whole cells.
     """
 
     cell: str
@@ -97,6 +103,7 @@ class Difference:
     before: Entry
     now: Entry
     verdict: str
+    allowed: float | None = None
 
     @property
     def regression(self) -> bool:
@@ -186,8 +193,12 @@ def compare_snapshots(now: Snapshot, before: Snapshot) -> Comparison:
     common = before.rows.keys() & now.rows.keys()
     for cell in common:
         for name, verdict in _judge_row(before.rows[cell], now.rows[cell], counts, limits):
-            values = (before.rows[cell].get(name), now.rows[cell].get(name))
-            found.append(Difference(cell, name, *values, verdict))
+            value, limit = before.rows[cell].get(name), _limit(name, counts, limits)
+            allowed = None
+            if limit is not None and isinstance(value, int | float):
+                allowed = limit.allowed(value)
+            after = now.rows[cell].get(name)
+            found.append(Difference(cell, name, value, after, verdict, allowed))
     if now.renderer == before.renderer:
         found += _times(now, before)
     found.sort(key=lambda item: (not item.regression, item.cell, item.field))
@@ -222,6 +233,12 @@ def _judge_row(
             verdict = LOST if now["status"] in FINISHED else None
         if verdict is not None:
             yield name, verdict
+
+
+def _limit(name: str, counts: Tolerance, limits: Mapping[str, Tolerance]) -> Tolerance | None:
+    """Return the tolerance of a field; None for metrics that cannot be compared."""
+    truth, _, metric = name.partition(".")
+    return limits.get(metric) if truth in TRUTHS or truth == WHOLE else counts
 
 
 def _judge(

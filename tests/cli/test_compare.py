@@ -49,6 +49,7 @@ def test_json_output_has_every_finding(call: Call, before: Path) -> None:
                 "before": 0.9,
                 "now": 0.99,
                 "verdict": "better",
+                "allowed": 0.001,
                 "regression": False,
             }
         ],
@@ -100,3 +101,19 @@ def test_paths_that_cannot_be_used_are_refused(call: Call, before: Path) -> None
         (("baseline", "sav", before), "sav"),
     ):
         call(*arguments).assert_refused(message)
+
+
+def test_a_page_is_written_where_it_is_asked_for(call: Call, before: Path) -> None:
+    now = write_changed(before, exact(metrics.RMSE, 0.06))
+    answer = call("compare", now, before, "--html")
+    assert answer.code == 1
+    assert answer.out.splitlines()[0] == str(now / "compare" / "index.html")
+    assert f"exact.{metrics.RMSE}" in (now / "compare" / "index.html").read_text(encoding="utf-8")
+    answer = call("compare", now, before, "--html", "--json", "-o", before.parent / "page")
+    assert json.loads(answer.out)["passed"] is False
+    assert (before.parent / "page" / "index.html").is_file()
+
+
+def test_options_of_the_page_need_the_page(call: Call, before: Path) -> None:
+    call("compare", before, before, "-o", "page").assert_refused("add --html")
+    call("compare", before, before, "--open").assert_refused("add --html")

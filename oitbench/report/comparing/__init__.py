@@ -1,0 +1,1 @@
+"""A page that shows what changed between two runs: pictures, numbers, and cells of one side."""
