@@ -80,7 +80,7 @@ def build(context: ReportContext) -> list[Artifact]:
 
 def _marks(costs: Sequence[EffectCost], flip: str) -> list[Mark]:
     """Return the effects with a cost in time and a gain, those of the chosen method last."""
-    colors = palette.colors(map(effect_label, names(~Effect.NONE)))
+    colors = palette.categories(map(effect_label, names(~Effect.NONE)))
     marks = [
         Mark(cost, cost.time, cost.gain, colors.get(cost.effect, figures.QUIET))
         for cost in costs

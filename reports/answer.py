@@ -10,7 +10,15 @@ import math
 from collections.abc import Sequence
 
 from oitbench.parameters import natural
-from oitbench.report import Artifact, ReportContext, answers, multiples, palette, times
+from oitbench.report import (
+    Artifact,
+    ReportContext,
+    answers,
+    error_axis,
+    multiples,
+    palette,
+    times,
+)
 from oitbench.report.answers import Answer, Choice
 from oitbench.report.artifacts import Choices, Chosen, HeatTable, Shade, Statement, write_csv
 from oitbench.report.multiples import Pane, Point
@@ -64,7 +72,7 @@ def build(context: ReportContext) -> list[Artifact]:
                     title=f"Error over {words}, all scenes",
                     caption="All panes share both axes; lower left is best. Lines in color join "
                     "values of one parameter. The row at the bottom, below a dotted break of the "
-                    f"axis, holds errors up to {multiples.FLOOR:g}. The truth that ranks the scene "
+                    f"axis, holds errors up to {error_axis.FLOOR:g}. The truth that ranks a scene "
                     "is below its name." + times.explain(context.results.records),
                 )
             )

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from oitbench.method.families import FAMILIES
-from oitbench.report import figures, palette
+from oitbench.report import error_axis, figures, palette
 from oitbench.report.artifacts import Figure
 from oitbench.results.schema import Record
 
@@ -17,9 +17,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure as Canvas
 
-FLOOR = 1e-3
-"""Errors up to this one share a row at the bottom of each panel, below a break of the axis."""
-_FLOOR_ROW = FLOOR / 1.9
 _ACROSS = 5
 _HEIGHT = 1.75
 _LEAST_VALUES = 3
@@ -37,7 +34,7 @@ class Point:
     @property
     def y(self) -> float:
         """The place on the axis of errors."""
-        return max(self.error, _FLOOR_ROW) if self.error > FLOOR else _FLOOR_ROW
+        return error_axis.place(self.error)
 
 
 @dataclass(frozen=True)
@@ -99,7 +96,7 @@ def draw(panes: Sequence[Pane], path: Path, *, x: str, title: str, caption: str)
             grid[place].set_visible(False)
             grid[place - across].xaxis.set_tick_params(labelbottom=True)
         figure.supxlabel(x, fontsize=8.5)
-        figure.supylabel("FLIP error, lower is better (logarithmic)", fontsize=8.5)
+        figure.supylabel(error_axis.LABEL, fontsize=8.5)
         _add_legend(figure, panes)
         return figures.save(figure, path, title=title, caption=caption)
 
@@ -108,22 +105,17 @@ def _set_scales(axes: Axes, points: Sequence[Point]) -> None:
     from matplotlib.ticker import LogLocator, NullLocator
 
     axes.set_xscale("log")
-    axes.set_yscale("log")
     xs = [point.x for point in points]
     axes.set_xlim(min(xs) / 1.6, max(xs) * 1.6)
     axes.xaxis.set_major_locator(LogLocator(numticks=5))
     axes.xaxis.set_minor_locator(NullLocator())
     axes.xaxis.set_major_formatter("{x:g}")
-    highest = max(point.y for point in points)
-    axes.set_ylim(_FLOOR_ROW / 1.7, max(highest, 10 * FLOOR) * 1.6)
-    ticks = [FLOOR * 10**k for k in range(1 + math.ceil(math.log10(max(highest / FLOOR, 10))))]
-    axes.set_yticks([_FLOOR_ROW, *ticks], [f"≤ {FLOOR:g}", "", *(f"{t:g}" for t in ticks[1:])])
-    axes.yaxis.set_minor_locator(NullLocator())
+    error_axis.set_scale(axes, max(point.y for point in points))
 
 
 def _draw_pane(axes: Axes, pane: Pane) -> None:
     axes.grid(True, axis="both", linewidth=0.4)
-    axes.axhline(FLOOR, color=figures.QUIET, linewidth=0.7, linestyle=(0, (1, 2)))
+    error_axis.draw_break(axes)
     best = front(pane.points)
     xs, ys = [best[0].x], [axes.get_ylim()[1]]
     for point in best:

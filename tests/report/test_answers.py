@@ -13,7 +13,8 @@ from oitbench.plugins import Collection
 from oitbench.report import ReportContext, answers, multiples
 from oitbench.report.answers import ELSEWHERE, Answer
 from oitbench.report.artifacts import Choices, HeatTable, Statement
-from oitbench.report.multiples import FLOOR, Point
+from oitbench.report.error_axis import FLOOR
+from oitbench.report.multiples import Point
 from oitbench.results.records import Panel
 from oitbench.results.schema import EffectNames, Record, Scores
 from oitbench.truths import EXACT
