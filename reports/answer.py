@@ -18,6 +18,7 @@ from oitbench.report import (
     multiples,
     palette,
     times,
+    tracing,
 )
 from oitbench.report.answers import Answer, Choice
 from oitbench.report.artifacts import Choices, Chosen, HeatTable, Shade, Statement, write_csv
@@ -76,7 +77,8 @@ def build(context: ReportContext) -> list[Artifact]:
                     "is below its name." + times.explain(context.results.records),
                 )
             )
-    return [*parts, _heat(context, panels)]
+    traced = tracing.draw(context, panels)
+    return [*parts, *([traced] if traced else []), _heat(context, panels)]
 
 
 def _choices(context: ReportContext, found: Sequence[Answer]) -> Choices:

@@ -6,9 +6,10 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from importlib import resources
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from oitbench.report.artifacts import Figure
+from oitbench.truths import EXACT, FULL, MATCHED
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -20,6 +21,8 @@ DOTS_PER_INCH = 180
 INK = "#222222"
 QUIET = "#6b6b6b"
 _CSS_PIXELS_PER_INCH = 118
+# Marker, fill and size of each truth; those of methods have other forms and colors.
+_TRUTHS = {EXACT: ("o", "none", 7.0), MATCHED: ("o", INK, 4.2), FULL: ("|", INK, 7.5)}
 
 
 @contextmanager
@@ -60,6 +63,19 @@ def save(figure: Canvas, path: Path, *, title: str, caption: str) -> Figure:
     figure.savefig(pdf, metadata={"CreationDate": None})
     width = round(figure.get_figwidth() * _CSS_PIXELS_PER_INCH)
     return Figure(title, caption, png, pdf, width)
+
+
+def truth_mark(truth: str) -> dict[str, Any]:
+    """Return the look of the mark of a truth, as matplotlib names it."""
+    marker, fill, size = _TRUTHS[truth]
+    return {
+        "marker": marker,
+        "color": INK,
+        "markerfacecolor": fill,
+        "markersize": size,
+        "markeredgewidth": 1.5 if marker == "|" else 0.9,
+        "linestyle": "none",
+    }
 
 
 def add_mark(

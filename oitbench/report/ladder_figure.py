@@ -13,8 +13,7 @@ from oitbench.report import error_axis, figures, palette
 from oitbench.report.artifacts import Figure
 from oitbench.report.context import ReportContext
 from oitbench.report.ladder import TERMS, Ladder, Split
-from oitbench.results.schema import Record
-from oitbench.truths import EXACT, FULL, MATCHED, TRUTHS
+from oitbench.truths import FULL, MATCHED, TRUTHS
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -26,14 +25,9 @@ _ACROSS = 2
 # Inches: a row, and the room above and below all rows of a scene, and for the legend.
 _ROW, _AROUND, _LEGEND = 0.135, 0.62, 0.55
 _LEAST_ROWS = 7
-# Marks of the truths; those of methods have other forms and colors.
-_MARKS: Mapping[str, tuple[str, str, float]] = {
-    EXACT: ("o", "none", 7.0),
-    MATCHED: ("o", figures.INK, 4.2),
-    FULL: ("|", figures.INK, 7.5),
-}
 _BANDS = {MATCHED: 0.13, FULL: 0.06}
-_BAR = 0.66
+# Points.
+_BAR = 6.4
 # Ends of the axis of shares, at most; longer bars end in an arrow.
 _LEAST, _MOST = -2.0, 3.0
 
@@ -55,7 +49,7 @@ def draw(context: ReportContext, ladders: Sequence[Ladder], path: Path, title: s
     across = min(_ACROSS, len(ladders))
     height = down * (_AROUND + _ROW * max(_LEAST_ROWS, len(rows))) + _LEGEND
     with figures.canvas(figures.WIDTH, height) as figure:
-        grid = figure.subplots(down, 2 * across, sharey=True, squeeze=False).reshape(-1, 2)
+        grid = figure.subplots(down, 2 * across, squeeze=False).reshape(-1, 2)
         highest = max((d for ladder in ladders for d in _distances(ladder)), default=0.0)
         ends = _ends([split for splits in found for split in splits.values() if split])
         for (left, right), ladder, splits in zip(grid, ladders, found, strict=False):
@@ -64,7 +58,8 @@ def draw(context: ReportContext, ladders: Sequence[Ladder], path: Path, title: s
         for left, right in grid[len(ladders) :]:
             left.set_visible(False)
             right.set_visible(False)
-        _label_rows(context, [row[0] for row in grid.reshape(down, across, 2)[:, 0, :1]], rows)
+        for left, _ in grid[::across]:
+            _label_rows(context, left, rows)
         _add_legend(figure, [truth for truth in TRUTHS if any(truth in x.truths for x in ladders)])
         return figures.save(figure, path, title=title, caption=CAPTION)
 
@@ -112,22 +107,24 @@ def _draw_distances(axes: Axes, ladder: Ladder, rows: Sequence[str], highest: fl
         if floor:
             end = error_axis.place(floor)
             axes.axvspan(axes.get_xlim()[0], end, color="#000000", alpha=strength, linewidth=0)
-    for cell in ladder.panel.finished:
-        place = rows.index(cell.method)
-        known = {t: ladder.distance(cell, t) for t in ladder.truths}
-        marks = {t: error_axis.place(value) for t, value in known.items() if value is not None}
-        if not marks:
-            continue
-        color, _ = palette.family_look(_family(cell))
-        axes.plot([min(marks.values()), max(marks.values())], [place] * 2, color=color, linewidth=1)
-        for truth, x in marks.items():
-            marker, fill, size = _MARKS[truth]
-            axes.plot(
-                x, place, marker=marker, markersize=size, color=figures.INK, markerfacecolor=fill,
-                markeredgewidth=1.5 if marker == "|" else 0.9, linestyle="none", zorder=3,
-            )  # fmt: skip
+    found = {truth: _known(ladder, truth, rows) for truth in ladder.truths}
+    reached = {row: [d[row] for d in found.values() if row in d] for row in range(len(rows))}
+    spans = {row: (min(ends), max(ends)) for row, ends in reached.items() if ends}
+    colors = [ladder.context.style(rows[row]).color for row in spans]
+    lows, highs = zip(*spans.values(), strict=True) if spans else ((), ())
+    axes.hlines([*spans], lows, highs, colors=colors, linewidth=1)
+    for truth, known in found.items():
+        axes.plot([*known.values()], [*known], **figures.truth_mark(truth), zorder=3)
     axes.set_title(ladder.panel.title, fontsize=8.5)
     axes.set_xlabel("FLIP error", fontsize=7.5)
+
+
+def _known(ladder: Ladder, truth: str, rows: Sequence[str]) -> dict[int, float]:
+    """Return the places of all distances to a truth on the axis of errors, by row."""
+    found = {rows.index(c.method): ladder.distance(c, truth) for c in ladder.panel.finished}
+    return {
+        row: error_axis.place(distance) for row, distance in found.items() if distance is not None
+    }
 
 
 def _draw_shares(
@@ -147,27 +144,34 @@ def _draw_shares(
             0.5, 0.5, "no picture of all truths", transform=axes.transAxes, fontsize=7.5,
             color=figures.QUIET, horizontalalignment="center",
         )  # fmt: skip
-    for method, split in splits.items():
-        if split is not None:
-            _draw_bar(axes, rows.index(method), split, ends)
+    known = {rows.index(m): split for m, split in splits.items() if split and split.shares}
+    _draw_bars(axes, known, ends)
     axes.set_xlabel(f"of the squared error to {TRUTHS[ladder.last]}", fontsize=7.5)
 
 
-def _draw_bar(axes: Axes, row: int, split: Split, ends: tuple[float, float]) -> None:
-    """Stack positive parts to the right of zero, and negative ones to the left."""
-    low = high = 0.0
-    for name, share in split.shares.items():
-        color = palette.categories(TERMS)[name]
-        axes.barh(row, share, left=high if share > 0 else low, height=_BAR, color=color)
-        low, high = low + min(0.0, share), high + max(0.0, share)
-    for end, reached, mark, side in ((ends[0], low, "◂", "left"), (ends[1], high, "▸", "right")):
-        if abs(reached) > abs(end) + 1e-9:
-            text = _percent(reached)
-            axes.text(
-                end, row, f"{mark} {text}" if side == "left" else f"{text} {mark}", fontsize=5.5,
-                color="white",
-                horizontalalignment=side, verticalalignment="center_baseline",
-            )  # fmt: skip
+def _draw_bars(axes: Axes, splits: Mapping[int, Split], ends: tuple[float, float]) -> None:
+    """Stack positive parts to the right of zero, and negative ones to the left, by row."""
+    low, high = dict.fromkeys(splits, 0.0), dict.fromkeys(splits, 0.0)
+    for name, color in palette.categories(TERMS).items():
+        shares = {row: split.shares[name] for row, split in splits.items()}
+        starts = [high[row] if share > 0 else low[row] for row, share in shares.items()]
+        stops = [start + share for start, share in zip(starts, shares.values(), strict=True)]
+        axes.hlines([*shares], starts, stops, color=color, linewidth=_BAR, capstyle="butt")
+        for row, share in shares.items():
+            low[row], high[row] = low[row] + min(0.0, share), high[row] + max(0.0, share)
+    for row in splits:
+        if low[row] < ends[0]:
+            _write(axes, ends[0], row, f"◂ {_percent(low[row])}", "left")
+        if high[row] > ends[1]:
+            _write(axes, ends[1], row, f"{_percent(high[row])} ▸", "right")
+
+
+def _write(axes: Axes, x: float, row: int, text: str, side: str) -> None:
+    """Write the end of a bar that is longer than the axis."""
+    axes.text(
+        x, row, text, fontsize=5.5, color="white", horizontalalignment=side,
+        verticalalignment="center_baseline",
+    )  # fmt: skip
 
 
 def _percent(share: float) -> str:
@@ -176,22 +180,18 @@ def _percent(share: float) -> str:
 
 def _set_rows(axes: Axes, rows: Sequence[str]) -> None:
     axes.set_ylim(len(rows) - 0.4, -0.6)
-    axes.set_yticks(range(len(rows)), list(rows))
-    axes.tick_params(axis="y", length=0)
+    axes.set_yticks([])
     axes.tick_params(labelsize=6.5)
     axes.spines["left"].set_visible(False)
     axes.grid(True, axis="x", linewidth=0.4)
 
 
-def _label_rows(context: ReportContext, left: Sequence[Axes], rows: Sequence[str]) -> None:
-    """Give the names of methods the colors of their families."""
-    for axes in left:
-        for text, label in zip(axes.get_yticklabels(), rows, strict=True):
-            text.set_color(palette.ink(context.style(label).color))
-
-
-def _family(cell: Record) -> str:
-    return cell.outcome.family if cell.outcome else ""
+def _label_rows(context: ReportContext, axes: Axes, rows: Sequence[str]) -> None:
+    """Write the names of methods in the colors of their families."""
+    axes.set_yticks(range(len(rows)), list(rows))
+    axes.tick_params(axis="y", length=0)
+    for text, label in zip(axes.get_yticklabels(), rows, strict=True):
+        text.set_color(palette.ink(context.style(label).color))
 
 
 def _add_legend(figure: Canvas, truths: Sequence[str]) -> None:
@@ -199,15 +199,9 @@ def _add_legend(figure: Canvas, truths: Sequence[str]) -> None:
     from matplotlib.patches import Patch
 
     handles: list[Line2D | Patch] = []
-    for truth in truths:
-        marker, fill, size = _MARKS[truth]
-        handles.append(
-            Line2D(
-                [], [], marker=marker, color=figures.INK, markerfacecolor=fill, markersize=size,
-                markeredgewidth=1.5 if marker == "|" else 0.9, linestyle="none",
-                label=f"to {TRUTHS[truth]}",
-            )
-        )  # fmt: skip
+    handles += [
+        Line2D([], [], **figures.truth_mark(truth), label=f"to {TRUTHS[truth]}") for truth in truths
+    ]
     handles += [
         Patch(color="#000000", alpha=_BANDS[truth], linewidth=0, label=f"noise of {TRUTHS[truth]}")
         for truth in truths

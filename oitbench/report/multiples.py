@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -15,7 +15,7 @@ from oitbench.results.schema import Record
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-    from matplotlib.figure import Figure as Canvas
+    from matplotlib.lines import Line2D
 
 _ACROSS = 5
 _HEIGHT = 1.75
@@ -85,37 +85,79 @@ def draw(panes: Sequence[Pane], path: Path, *, x: str, title: str, caption: str)
         Label of the horizontal axis, with its unit.
     title, caption : str
     """
+    points = [point for pane in panes for point in pane.points]
+    return small_multiples(
+        [_drawing(pane) for pane in panes],
+        [(point.x, point.y) for point in points],
+        _handles(points),
+        path,
+        x=x,
+        title=title,
+        caption=caption,
+    )
+
+
+def small_multiples(
+    panes: Sequence[Callable[[Axes], None]],
+    points: Sequence[tuple[float, float]],
+    handles: Sequence[Line2D],
+    path: Path,
+    *,
+    x: str,
+    title: str,
+    caption: str,
+) -> Figure:
+    """Draw panes that share a logarithmic axis of x and the axis of errors.
+
+    Parameters
+    ----------
+    panes : sequence of callable
+        Each draws one pane.
+    points : sequence of (float, float)
+        All that must be inside of the axes.
+    handles : sequence of Line2D
+        Of the legend.
+    path, x, title, caption
+        As in `draw`.
+    """
     down = math.ceil(len(panes) / _ACROSS)
     across = math.ceil(len(panes) / down)
     with figures.canvas(figures.WIDTH, _HEIGHT * down + 0.85) as figure:
         grid = figure.subplots(down, across, sharex=True, sharey=True, squeeze=False).ravel()
-        _set_scales(grid[0], [point for pane in panes for point in pane.points])
-        for axes, pane in zip(grid, panes, strict=False):
-            _draw_pane(axes, pane)
+        _set_scales(grid[0], points)
+        for axes, draw_pane in zip(grid, panes, strict=False):
+            axes.grid(True, axis="both", linewidth=0.4)
+            axes.tick_params(labelsize=6.5)
+            error_axis.draw_break(axes)
+            draw_pane(axes)
         for place in range(len(panes), len(grid)):
             grid[place].set_visible(False)
             grid[place - across].xaxis.set_tick_params(labelbottom=True)
         figure.supxlabel(x, fontsize=8.5)
         figure.supylabel(error_axis.LABEL, fontsize=8.5)
-        _add_legend(figure, panes)
+        figure.legend(
+            handles=handles, loc="outside upper center", ncols=4, fontsize=7.5, frameon=False
+        )
         return figures.save(figure, path, title=title, caption=caption)
 
 
-def _set_scales(axes: Axes, points: Sequence[Point]) -> None:
+def _set_scales(axes: Axes, points: Sequence[tuple[float, float]]) -> None:
     from matplotlib.ticker import LogLocator, NullLocator
 
     axes.set_xscale("log")
-    xs = [point.x for point in points]
+    xs = [x for x, _ in points]
     axes.set_xlim(min(xs) / 1.6, max(xs) * 1.6)
     axes.xaxis.set_major_locator(LogLocator(numticks=5))
     axes.xaxis.set_minor_locator(NullLocator())
     axes.xaxis.set_major_formatter("{x:g}")
-    error_axis.set_scale(axes, max(point.y for point in points))
+    error_axis.set_scale(axes, max(y for _, y in points))
+
+
+def _drawing(pane: Pane) -> Callable[[Axes], None]:
+    return lambda axes: _draw_pane(axes, pane)
 
 
 def _draw_pane(axes: Axes, pane: Pane) -> None:
-    axes.grid(True, axis="both", linewidth=0.4)
-    error_axis.draw_break(axes)
     best = front(pane.points)
     xs, ys = [best[0].x], [axes.get_ylim()[1]]
     for point in best:
@@ -141,13 +183,12 @@ def _draw_pane(axes: Axes, pane: Pane) -> None:
             zorder=4 if point in best else 3,
         )
     axes.set_title(f"{pane.title}\n{pane.truth}", fontsize=7, pad=3)
-    axes.tick_params(labelsize=6.5)
 
 
-def _add_legend(figure: Canvas, panes: Sequence[Pane]) -> None:
+def _handles(points: Iterable[Point]) -> list[Line2D]:
     from matplotlib.lines import Line2D
 
-    used = {point.family for pane in panes for point in pane.points}
+    used = {point.family for point in points}
     handles = []
     for family, words in FAMILIES.items():
         if family in used:
@@ -155,5 +196,4 @@ def _add_legend(figure: Canvas, panes: Sequence[Pane]) -> None:
             handles.append(
                 Line2D([], [], color=color, marker=marker, linestyle="none", label=words)
             )
-    handles.append(Line2D([], [], color=figures.QUIET, linewidth=0.9, label="Pareto front"))
-    figure.legend(handles=handles, loc="outside upper center", ncols=4, fontsize=7.5, frameon=False)
+    return [*handles, Line2D([], [], color=figures.QUIET, linewidth=0.9, label="Pareto front")]
