@@ -94,7 +94,7 @@ def _choices(context: ReportContext, found: Sequence[Answer]) -> Choices:
     where = "a software renderer" if context.results.software else "this GPU"
     return Choices(
         "Which method for which content",
-        f"Mean {context.flip} over the scenes of a subject, geometric mean of method times on "
+        f"Mean {context.flip_name} over the scenes of a subject, geometric mean of method times on "
         f"{where}, and their ratio to the fastest method of each scene. Methods that lack a number "
         "in one of the scenes are left out." + times.explain(context.results.records),
         path,
@@ -118,14 +118,14 @@ def _shown(choice: Choice | None) -> Chosen | None:
 def _pane(context: ReportContext, panel: Panel, axis: str) -> Pane:
     found: list[tuple[Record, Point]] = []
     for cell in panel.finished:
-        error, x = cell.metric(panel.truth, context.flip), _x(cell, axis)
-        if error is not None and x and cell.outcome is not None:
-            found.append((cell, Point(cell.method, cell.outcome.family, x, error)))
+        errors, cost = cell.errors(panel.truth, context.flip), _cost(cell, axis)
+        if errors is not None and cost and cell.outcome is not None:
+            found.append((cell, Point(cell.method, cell.outcome.family, cost, errors)))
     points = tuple(point for _, point in found)
     return Pane(panel.title, TRUTHS[panel.truth], points, multiples.sweeps(found))
 
 
-def _x(cell: Record, axis: str) -> float | None:
+def _cost(cell: Record, axis: str) -> float | None:
     if axis == "time":
         return cell.time.method_ms.median if cell.time is not None else None
     return cell.outcome.memory.bits_per_pixel / 8 if cell.outcome is not None else None
@@ -145,7 +145,7 @@ def _heat(context: ReportContext, panels: Sequence[Panel]) -> HeatTable:
     write_csv(path, ("scene", "truth", *methods), lines)
     return HeatTable(
         "All errors",
-        f"Mean {context.flip} against the truth that ranks each scene, ×1000. Frames mark the "
+        f"Mean {context.flip_name} against the truth that ranks each scene, ×1000. Frames mark the "
         "least error of a scene and all that tie with it within the noise of the reference.",
         path,
         tuple(methods),

@@ -22,12 +22,12 @@ def build(context: ReportContext) -> list[Artifact]:
     # A picture and an error map each.
     room = previews.room(2 * sum(len(TRUTHS) + len(panel.cells) for panel in panels))
     drawn: list[Artifact] = []
+    flip = context.flip_name
     for panel in panels:
         caption = (
             "Upper picture: the image at the exposure of the scene. Lower picture: map of "
-            f"{context.flip} against {TRUTHS[panel.truth]}, which ranks the scene, from 0 (black) "
-            f"to 1 (pale yellow). Numbers: mean {context.flip} against each truth. Noise floor: "
-            f"{context.flip} that the noise of a traced truth alone causes."
+            f"{flip} against {TRUTHS[panel.truth]}, which ranks the scene. Numbers: mean {flip} "
+            f"against each truth. Noise floor: {flip} that the noise of a traced truth alone causes."
         )
         found = stack(context, panel, caption=caption, characters=room)
         drawn.append(found or Note(f"{panel.title}: there is no picture yet."))

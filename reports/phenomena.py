@@ -97,8 +97,8 @@ def _ablations(context: ReportContext, panel: Panel, complete: Record) -> Artifa
 def _reading(context: ReportContext, truth: str) -> str:
     """Return the part of a caption that explains maps and numbers."""
     return (
-        f"Lower picture: map of {context.flip} against {TRUTHS[truth]}, from 0 (black) to 1 (pale "
-        f"yellow). Number: mean {context.flip}."
+        f"Lower picture: map of {context.flip_name} against {TRUTHS[truth]}, from 0 (black) to 1 (pale "
+        f"yellow). Number: mean {context.flip_name}."
     )
 
 
@@ -130,6 +130,6 @@ def _pair(context: ReportContext, panel: Panel, cell: Record) -> list[Figure]:
             title=f"{panel.title}: diffusion",
             caption=f"Upper picture: matched tracing. Lower picture: {cell.method}, which misses "
             "the fewest effects of all methods that express diffusion. Number: mean "
-            f"{context.flip} against it.",
+            f"{context.flip_name} against it.",
         )
     return [figure]

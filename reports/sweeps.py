@@ -189,8 +189,8 @@ def _figure(context: ReportContext, axis: Axis, curves: Sequence[Curve]) -> Arti
         for axes, shown in zip(grid, plots.values(), strict=False):
             _draw(axes, context, axis, shown)
         caption = (
-            f"Mean {context.flip} over {axis.key} of the {axis.owner}, against the truth that is "
-            "named at each axis. Dotted: the default. Shaded: errors that differ from the lowest "
+            f"Mean {context.flip_name} over {axis.key} of the {axis.owner}, against the truth that "
+            "is named at each axis. Dotted: the default. Shaded: errors that differ from the lowest "
             "one by no more than the noise floor."
         )
         path = context.out / f"sweep-{axis.owner}-{axis.key}"
@@ -246,7 +246,7 @@ def _table(context: ReportContext, curves: Sequence[Curve]) -> Artifact:
         heading,
         [row for curve in curves for row in _rows(context, curve)],
         title="All points of the sweeps",
-        caption=f"Mean {context.flip} of the curves above.",
+        caption=f"Mean {context.flip_name} of the curves above.",
         collapsed=True,
     )
 

@@ -112,7 +112,7 @@ def _columns(flip: str) -> tuple[Column, ...]:
         *columns.TIMES,
         Column("foreign_percent", "Others", "%", help="CPU time of other processes meanwhile"),
         Column("memory_mib", "Memory", "MiB", help="2^20 bytes"),
-        Column("traffic_mb", "Traffic", "MB", help="bytes read and written per frame, 10^6 bytes"),
+        Column("traffic_mib", "Traffic", "MiB", help="read and written per frame, 2^20 bytes"),
         Column("fragments", "Fragments", help="transparent fragments per frame"),
         Column("unstable_pixels", "Unstable", "px", help="NaN, infinite or negative pixels"),
         Column("missing_effects", "Missing effects", kind="text"),

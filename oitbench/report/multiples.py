@@ -8,8 +8,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from oitbench.image.ties import Errors
 from oitbench.method.families import FAMILIES
-from oitbench.report import error_axis, figures, palette
+from oitbench.report import error_axis, figures, fronts, palette
 from oitbench.report.artifacts import Figure
 from oitbench.results.schema import Record
 
@@ -24,17 +25,17 @@ _LEAST_VALUES = 3
 
 @dataclass(frozen=True)
 class Point:
-    """A method in one scene: the numbers of both axes, and its family."""
+    """A method in one scene: its family, its time or bytes, and its error."""
 
     method: str
     family: str
-    x: float
-    error: float
+    cost: float
+    errors: Errors
 
     @property
     def y(self) -> float:
         """The place on the axis of errors."""
-        return error_axis.place(self.error)
+        return error_axis.place(self.errors.error)
 
 
 @dataclass(frozen=True)
@@ -63,15 +64,6 @@ def sweeps(points: Iterable[tuple[Record, Point]]) -> tuple[tuple[Point, ...], .
     )
 
 
-def front(points: Iterable[Point]) -> list[Point]:
-    """Return the points with no other one to the left of them and as low, from left to right."""
-    kept: list[Point] = []
-    for point in sorted(points, key=lambda point: (point.x, point.y)):
-        if not kept or point.y < kept[-1].y:
-            kept.append(point)
-    return kept
-
-
 def draw(panes: Sequence[Pane], path: Path, *, x: str, title: str, caption: str) -> Figure:
     """Draw a pane for each scene.
 
@@ -88,7 +80,7 @@ def draw(panes: Sequence[Pane], path: Path, *, x: str, title: str, caption: str)
     points = [point for pane in panes for point in pane.points]
     return small_multiples(
         [_drawing(pane) for pane in panes],
-        [(point.x, point.y) for point in points],
+        [(point.cost, point.y) for point in points],
         _handles(points),
         path,
         x=x,
@@ -158,21 +150,23 @@ def _drawing(pane: Pane) -> Callable[[Axes], None]:
 
 
 def _draw_pane(axes: Axes, pane: Pane) -> None:
-    best = front(pane.points)
-    xs, ys = [best[0].x], [axes.get_ylim()[1]]
+    best = fronts.front(pane.points)
+    xs, ys = [best[0].cost], [axes.get_ylim()[1]]
     for point in best:
-        xs += [point.x] * 2
+        xs += [point.cost] * 2
         ys += [ys[-1], point.y]
     axes.plot(
         [*xs, axes.get_xlim()[1]], [*ys, ys[-1]], color=figures.QUIET, linewidth=0.9, zorder=1.5
     )
     for curve in pane.sweeps:
         color, _ = palette.family_look(curve[0].family)
-        axes.plot([p.x for p in curve], [p.y for p in curve], color=color, linewidth=0.9, zorder=2)
+        axes.plot(
+            [p.cost for p in curve], [p.y for p in curve], color=color, linewidth=0.9, zorder=2
+        )
     for point in pane.points:
         color, marker = palette.family_look(point.family)
         axes.plot(
-            point.x,
+            point.cost,
             point.y,
             marker=marker,
             markersize=6 if marker == "*" else 4.2,

@@ -9,11 +9,11 @@ import msgspec
 import pytest
 
 from oitbench.image import metrics
+from oitbench.image.ties import Errors
 from oitbench.plugins import Collection
 from oitbench.report import ReportContext, answers, multiples
 from oitbench.report.answers import ELSEWHERE, Answer
 from oitbench.report.artifacts import Choices, HeatTable, Statement
-from oitbench.report.error_axis import FLOOR
 from oitbench.report.multiples import Point
 from oitbench.results.records import Panel
 from oitbench.results.schema import EffectNames, Record, Scores
@@ -141,19 +141,11 @@ def test_sentences_count_scenes_and_name_effects_that_few_methods_show(tmp_path:
     assert said[-1] == "Only rich shows diffusion."
 
 
-def test_a_front_has_no_point_that_another_beats() -> None:
-    points = [Point(name, "lists", x, e) for name, x, e in (
-        ("a", 1.0, 0.5), ("b", 2.0, 0.6), ("c", 3.0, 0.1), ("d", 4.0, FLOOR / 2), ("e", 5.0, 0.0),
-    )]  # fmt: skip
-    # Errors on the lowest row are equal.
-    assert [point.method for point in multiples.front(points)] == ["a", "c", "d"]
-
-
 def test_sweeps_join_three_values_of_one_parameter_in_their_order() -> None:
     pairs = []
     for n, k in ((8, 1), (2, 1), (4, 1), (4, 2)):
         made = cell("a", f"m[n={n},k={k}]", 0.1, 1.0, values={"n": n, "k": k})
-        pairs.append((made, Point(f"{n} {k}", "lists", n, 0.1)))
+        pairs.append((made, Point(f"{n} {k}", "lists", n, Errors(0.1))))
     (curve,) = multiples.sweeps(pairs)
     assert [point.method for point in curve] == ["2 1", "4 1", "8 1"]
 

@@ -99,7 +99,7 @@ def test_a_truth_without_noise_has_no_expected_line(tmp_path: Path) -> None:
     matched, full = tracing.curves(shown, panels[0], {})
     assert matched.expected == ()
     first, last = full.expected
-    assert first == (0.25, pytest.approx(FLOOR * math.sqrt(8)))
+    assert first == pytest.approx((0.25, FLOOR * math.sqrt(8)))
     assert last == (2.0, FLOOR)
     figure = tracing.draw(shown, panels)
     assert figure is not None
