@@ -129,8 +129,8 @@ def _figure(context: ReportContext, panel: Panel, truth: str, points: Sequence[P
         axes = figure.subplots()
         _draw(axes, context, points, best)
         floor = largest_noise_floor(panel.finished, truth, context.flip)
-        if floor:
-            low, _ = axes.get_ylim()
+        low, _ = axes.get_ylim()
+        if floor and error_axis.place(floor) > low:
             figures.add_band(axes, low, error_axis.place(floor), "noise of the truth", at_top=False)
         axes.set_title(f"Truth: {truth_label(panel, truth)}")
         axes.set_xlabel(_axis_label(points))
@@ -186,8 +186,9 @@ def _set_scales(axes: Axes, points: Sequence[Point]) -> None:
     axes.xaxis.set_major_locator(LogLocator(subs=range(1, 10) if narrow else (1, 2, 5)))
     axes.xaxis.set_minor_locator(NullLocator())
     axes.xaxis.set_major_formatter("{x:g}")
-    error_axis.set_scale(axes, max(point.errors.error for point in points))
-    error_axis.draw_break(axes)
+    errors = [point.errors.error for point in points]
+    if error_axis.set_scale(axes, max(errors), lowest=min(errors)):
+        error_axis.draw_break(axes)
 
 
 def _front_line(axes: Axes, best: Sequence[Point]) -> tuple[list[float], list[float]]:
@@ -219,7 +220,12 @@ def _add_labels(
         )
         for point in ordered
     ]
-    labels.place(axes, written, lines=[_front_line(axes, best)] if best else [])
+    lines: list[tuple[Sequence[float], Sequence[float]]] = []
+    if best:
+        lines.append(_front_line(axes, best))
+    # A line without length keeps labels away from a point without a name.
+    lines += [((x, x), (y, y)) for x, y in (p.place for p in points if p not in ordered)]
+    labels.place(axes, written, lines=lines)
 
 
 def _best_of_families(context: ReportContext, points: Sequence[Point]) -> list[Point]:

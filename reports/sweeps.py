@@ -190,8 +190,8 @@ def _figure(context: ReportContext, axis: Axis, curves: Sequence[Curve]) -> Arti
             _draw(axes, context, axis, shown)
         caption = (
             f"Mean {context.flip_name} over {axis.key} of the {axis.owner}, against the truth that "
-            "is named at each axis. Dotted: the default. Shaded: errors that differ from the lowest "
-            "one by no more than the noise floor."
+            "is named at each axis. Dotted: the default. Shaded: errors that differ from the "
+            "lowest one by no more than the noise floor."
         )
         path = context.out / f"sweep-{axis.owner}-{axis.key}"
         return figures.save(figure, path, title=f"{axis.key} of the {axis.owner}", caption=caption)

@@ -15,6 +15,8 @@ FLOOR = 1e-3
 LABEL = "FLIP error, lower is better (logarithmic)"
 _SHARED = FLOOR / 1.9
 _ROOM = 1.6
+_NARROW = 30
+"""An axis whose ends differ by less than this factor has more ticks."""
 
 Direction = Literal["x", "y"]
 
@@ -24,32 +26,44 @@ def place(error: float) -> float:
     return error if error > FLOOR else _SHARED
 
 
-def set_scale(axes: Axes, highest: float, direction: Direction = "y") -> None:
+def set_scale(axes: Axes, highest: float, direction: Direction = "y", lowest: float = 0.0) -> bool:
     """Make one axis that of errors.
 
     Parameters
     ----------
     axes : Axes
-    highest : float
-        The largest error.
+    highest, lowest : float
+        The largest and the smallest error.
     direction : {"x", "y"}
+
+    Returns
+    -------
+    bool
+        Whether the axis has a break; it has none if all errors are well above `FLOOR`.
     """
     from matplotlib.ticker import NullLocator
 
-    decades = math.ceil(math.log10(max(highest / FLOOR, 10)))
-    powers = [FLOOR * 10**k for k in range(1, 1 + decades)]
-    ticks, words = [_SHARED, FLOOR, *powers], [f"≤ {FLOOR:g}", "", *(f"{p:g}" for p in powers)]
-    limits = _SHARED / 1.7, max(highest, 10 * FLOOR) * _ROOM
+    broken = lowest <= 2 * FLOOR
+    top = max(highest, (10 * FLOOR if broken else lowest)) * _ROOM
+    bottom = _SHARED / 1.7 if broken else lowest / _ROOM
+    factors = (1, 2, 5) if top < _NARROW * bottom else (1,)
+    decades = range(math.floor(math.log10(FLOOR)), math.ceil(math.log10(top)) + 1)
+    values = [factor * 10.0**decade for decade in decades for factor in factors]
+    ticks = [value for value in values if max(bottom, 1.01 * FLOOR) < value <= top]
+    words = [f"{tick:g}" for tick in ticks]
+    if broken:
+        ticks, words = [_SHARED, FLOOR, *ticks], [f"≤ {FLOOR:g}", "", *words]
     if direction == "x":
         axes.set_xscale("log")
-        axes.set_xlim(*limits)
+        axes.set_xlim(bottom, top)
         axes.set_xticks(ticks, words)
         axes.xaxis.set_minor_locator(NullLocator())
     else:
         axes.set_yscale("log")
-        axes.set_ylim(*limits)
+        axes.set_ylim(bottom, top)
         axes.set_yticks(ticks, words)
         axes.yaxis.set_minor_locator(NullLocator())
+    return broken
 
 
 def draw_break(axes: Axes, direction: Direction = "y") -> None:
