@@ -1,4 +1,4 @@
-"""Lists, curves and blending at equal bytes per pixel: where the lines of their errors cross.
+"""Where the errors of the three kinds cross at equal bytes per pixel.
 
 Lists keep k nodes per pixel: fragments, or steps of a visibility curve at their depths. Curves
 keep absorbance over depth in a fixed number of terms. Blending keeps sums, which more bytes make no

@@ -1,4 +1,4 @@
-"""Method time against FLIP error, one figure per scene.
+"""One figure per scene; lower left is best.
 
 One truth ranks the methods of a scene: exact compositing of the same fragments if all effects that
 the scene requests are compositing or shared shading, else matched tracing, which has exactly the

@@ -1,4 +1,4 @@
-"""Scenes: what each asks of a renderer.
+"""What each scene asks of a renderer.
 
 Each row is a view of a scene: its picture, the number of transparent fragments at each pixel, the
 share of pixels by that number, and counts. Fragments are counted at the centers of pixels, without

@@ -1,9 +1,8 @@
-"""The parts of each frame's time.
+"""The sort and the passes of each method, and the shading that all share.
 
-The sort and the passes belong to the method. Shading, the last bar of each figure, is the same for
-all methods of a scene: shadow maps, ambient occlusion and the opaque picture. The passes are timed
-one by one, in frames of their own, so they can add up to more than the method time at the end of
-the bar, which is that of whole frames.
+Shading, the last bar of each figure, is the same for all methods of a scene: shadow maps, ambient
+occlusion and the opaque picture. The passes are timed one by one, in frames of their own, so they
+can add up to more than the method time at the end of the bar, which is that of whole frames.
 """
 
 from __future__ import annotations

@@ -30,6 +30,8 @@ class Section:
         Images that could not be read, one line each.
     pixels : mapping of str to Path
         Scripts with the pixels of its stacks, by their names.
+    absent : str
+        Why these results have nothing to show; then it has no body.
     error : str
         Why the section could not be built, in one line; then it has no body.
     """
@@ -41,6 +43,7 @@ class Section:
     body: str = ""
     faults: tuple[str, ...] = ()
     pixels: Mapping[str, Path] = field(default_factory=dict)
+    absent: str = ""
     error: str = ""
 
 
@@ -77,4 +80,6 @@ def _build(worker: Process, name: str, path: Path, timeout: float | None) -> Sec
         text = str(error)
         return Section(name, name, error=text if str(path) in text else f"{path}: {text}")
     faults = tuple(built.faults)
-    return Section(name, built.title, built.doc, built.order, built.body, faults, built.pixels)
+    return Section(
+        name, built.title, built.doc, built.order, built.body, faults, built.pixels, built.absent
+    )

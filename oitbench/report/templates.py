@@ -24,6 +24,34 @@ from oitbench.report.palette import is_dark
 
 if TYPE_CHECKING:
     from jinja2 import Environment
+    from markupsafe import Markup
+
+_WIDE, _MIDDLE, _NARROW = (7, 6, 8, 5), (4, 5, 3), (2, 3)
+"""Columns of a grid on screens of three widths, in order of preference."""
+
+
+def _code(text: str) -> Markup:
+    """Return an escaped text whose parts between backticks are code."""
+    from markupsafe import Markup, escape
+
+    parts = str(text).split("`")
+    if len(parts) % 2 == 0:
+        return escape(text)
+    marked = [
+        Markup("<code>{}</code>").format(p) if k % 2 else escape(p) for k, p in enumerate(parts)
+    ]
+    return Markup("").join(marked)
+
+
+def _across(count: int) -> str:
+    """Return the columns of a grid of tiles, such that no tile is alone in the last row."""
+
+    def columns(choices: tuple[int, ...]) -> int:
+        fitting = [n for n in choices if count % n != 1]
+        return min(count, next(iter(fitting), choices[0]))
+
+    names = zip(("wide", "middle", "narrow"), (_WIDE, _MIDDLE, _NARROW), strict=True)
+    return ";".join(f"--{name}:{columns(choices)}" for name, choices in names)
 
 
 def environment(context: ReportContext) -> Environment:
@@ -48,6 +76,8 @@ def environment(context: ReportContext) -> Environment:
         return quote(os.fsencode(Path(os.path.relpath(path, context.out)).as_posix()))
 
     made.filters["link"] = link
+    made.filters["code"] = _code
+    made.filters["across"] = _across
     made.globals["style"] = context.style
     made.globals["is_dark"] = is_dark
     made.globals["facts"] = lambda stack: stacks.facts(context, stack, link(stack.pixels))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from msgspec import Struct
@@ -11,7 +11,7 @@ from oitbench.crops import Crop
 from oitbench.errors import DeclarationError, OitbenchError, locate, printable
 from oitbench.places import Places
 from oitbench.plugins import Collection
-from oitbench.report.artifacts import Stack, writing_to
+from oitbench.report.artifacts import Artifact, Note, Stack, writing_to
 from oitbench.report.context import ReportContext
 from oitbench.report.templates import environment
 from oitbench.results.records import Results
@@ -42,6 +42,7 @@ class BuildSection(Struct, frozen=True, tag=True):
 class SectionBuilt(Struct, frozen=True, tag=True):
     """The section: `body` is HTML, and sections are sorted by `order`.
 
+    A section without a body has nothing to show, and `absent` says why.
     `faults` says in one line each which images could not be read so far, and `pixels` are the
     scripts of its stacks by their names.
     """
@@ -52,6 +53,7 @@ class SectionBuilt(Struct, frozen=True, tag=True):
     body: str
     faults: list[str]
     pixels: dict[str, Path]
+    absent: str
 
 
 def _begin(settings: Settings, on_step: OnStep) -> Callable[[BuildSection], SectionBuilt]:
@@ -69,7 +71,8 @@ def _begin(settings: Settings, on_step: OnStep) -> Callable[[BuildSection], Sect
         try:
             with writing_to(context.out):
                 artifacts = list(module.build(context))
-                body = template.render(artifacts=artifacts)
+                absent = _absent(artifacts)
+                body = "" if absent else template.render(artifacts=artifacts)
             return SectionBuilt(
                 printable(str(module.title)),
                 printable(" ".join((module.__doc__ or "").split())),
@@ -78,6 +81,7 @@ def _begin(settings: Settings, on_step: OnStep) -> Callable[[BuildSection], Sect
                 body.encode(errors="backslashreplace").decode(),
                 list(map(printable, results.faults)),
                 {item.name: item.pixels for item in artifacts if isinstance(item, Stack)},
+                printable(absent),
             )
         except OitbenchError:
             raise
@@ -85,6 +89,14 @@ def _begin(settings: Settings, on_step: OnStep) -> Callable[[BuildSection], Sect
             raise DeclarationError(locate(error, path)) from error
 
     return answer
+
+
+def _absent(artifacts: Sequence[Artifact]) -> str:
+    """Return why a section would be empty: it has no artifacts, or notes alone."""
+    notes = [item.text for item in artifacts if isinstance(item, Note)]
+    if len(notes) < len(artifacts):
+        return ""
+    return " ".join(dict.fromkeys(notes)) or "There is nothing to show yet."
 
 
 def main() -> None:
