@@ -1,8 +1,4 @@
-"""Which method to use, and at what price.
-
-Methods are compared by FLIP against the truth that ranks each scene, and by method time: everything
-that a method adds to a frame. Error, time and price of a method are those of the same cells.
-"""
+"""Which method to use for which content, and at what price."""
 
 from __future__ import annotations
 
@@ -32,16 +28,16 @@ title = "The answer"
 order = 1
 
 _CRITERIA = (
-    ("Least error", "whatever the time; of methods that tie, the fastest"),
     (
-        f"Least error within {answers.CHEAP:g}× the fastest",
-        f"of methods that take at most {answers.CHEAP:g} times the time of the fastest",
-    ),
-    (
-        f"Cheapest within {answers.NEAR:g} of the least error",
+        "Use: the cheapest that is near the best",
         f"of methods whose FLIP is at most {answers.NEAR:g} above the least",
     ),
-    ("Fastest", "whatever the error"),
+    (
+        f"If it must be cheap: at most {answers.CHEAP:g}× the fastest",
+        f"least error of methods that take at most {answers.CHEAP:g} times the time of the fastest",
+    ),
+    ("Least error, whatever the time", "of methods that tie, the fastest"),
+    ("Fastest, whatever the error", "least method time"),
 )
 # Errors are shaded from white at the first to the darkest at the last, on a logarithmic scale.
 _PALE, _DARK = 1e-3, 1.0
@@ -56,8 +52,8 @@ def build(context: ReportContext) -> list[Artifact]:
     if not found:
         return []
     parts: list[Artifact] = [
-        Statement(tuple(answers.sentences(found, panels, context.flip))),
         _choices(context, found),
+        Statement(tuple(answers.sentences(found, panels, context.flip))),
     ]
     for name, axis, words in (
         ("time", "method time, ms (logarithmic)", "method time"),
@@ -94,9 +90,11 @@ def _choices(context: ReportContext, found: Sequence[Answer]) -> Choices:
     where = "a software renderer" if context.results.software else "this GPU"
     return Choices(
         "Which method for which content",
-        f"Mean {context.flip_name} over the scenes of a subject, geometric mean of method times on "
-        f"{where}, and their ratio to the fastest method of each scene. Methods that lack a number "
-        "in one of the scenes are left out." + times.explain(context.results.records),
+        f"Mean {context.flip_name} against the truth that ranks each scene (0 is perfect; a "
+        f"difference of {answers.NEAR:g} is hard to see), geometric mean of the time that the "
+        f"method adds to a frame on {where}, and its ratio to the fastest method of each scene. Methods "
+        "that lack a number in one of the scenes are left out."
+        + times.explain(context.results.records),
         path,
         _CRITERIA,
         tuple(
@@ -106,7 +104,7 @@ def _choices(context: ReportContext, found: Sequence[Answer]) -> Choices:
 
 
 def _chosen(answer: Answer) -> tuple[Choice | None, ...]:
-    return answer.least, answer.cheap, answer.near, answer.fastest
+    return answer.near, answer.cheap, answer.least, answer.fastest
 
 
 def _shown(choice: Choice | None) -> Chosen | None:

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from markupsafe import Markup
 
 _WIDE, _MIDDLE, _NARROW = (7, 6, 8, 5), (4, 5, 3), (2, 3)
-"""Columns of a grid on screens of three widths, in order of preference."""
+"""Columns of a grid that screens of three widths have room for."""
 
 
 def _code(text: str) -> Markup:
@@ -47,8 +47,11 @@ def _across(count: int) -> str:
     """Return the columns of a grid of tiles, such that no tile is alone in the last row."""
 
     def columns(choices: tuple[int, ...]) -> int:
-        fitting = [n for n in choices if count % n != 1]
-        return min(count, next(iter(fitting), choices[0]))
+        def gaps(across: int) -> tuple[bool, int, int]:
+            rows = -(-count // across)
+            return rows > 1 and count % across == 1, rows, rows * across - count
+
+        return min(choices, key=gaps) if count > 1 else choices[0]
 
     names = zip(("wide", "middle", "narrow"), (_WIDE, _MIDDLE, _NARROW), strict=True)
     return ";".join(f"--{name}:{columns(choices)}" for name, choices in names)
