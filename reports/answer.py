@@ -92,8 +92,8 @@ def _choices(context: ReportContext, found: Sequence[Answer]) -> Choices:
         "Which method for which content",
         f"Mean {context.flip_name} against the truth that ranks each scene (0 is perfect; a "
         f"difference of {answers.NEAR:g} is hard to see), geometric mean of the time that the "
-        f"method adds to a frame on {where}, and its ratio to the fastest method of each scene. Methods "
-        "that lack a number in one of the scenes are left out."
+        f"method adds to a frame on {where}, and its ratio to the fastest method of each scene. "
+        "Methods that lack a number in one of the scenes are left out."
         + times.explain(context.results.records),
         path,
         _CRITERIA,

@@ -13,6 +13,8 @@ from oitbench.parameters import natural
 _HUES = ("#332288", "#A3A13A", "#A48FD0", "#882255", "#8C5A2B")
 # The same hues mixed with white, then with black. Color-blind readers distinguish the lightness.
 _MIXTURES = (("#000000", 0.0), ("#FFFFFF", 0.55), ("#000000", 0.5), ("#FFFFFF", 0.78))
+# Mixtures of the color of a family, for its curves in one plot.
+_TINTS = (("#000000", 0.0), ("#000000", 0.5), ("#FFFFFF", 0.45), ("#000000", 0.75))
 # Color and marker of each family of methods: Okabe & Ito (2008) without black, and without yellow,
 # which is illegible on white paper.
 _LOOKS: Mapping[str, tuple[str, str]] = {
@@ -83,6 +85,18 @@ def styles(methods: Mapping[str, str], families: Mapping[str, str]) -> dict[str,
         family = families.get(methods[label], OTHER)
         found[label] = Style(*family_look(family), _LINES[seen[family] % len(_LINES)])
         seen[family] += 1
+    return found
+
+
+def tinted(styles: Iterable[Style]) -> list[Style]:
+    """Return the styles of curves in one plot: those of one family differ in lightness."""
+    found: list[Style] = []
+    seen: Counter[str] = Counter()
+    for style in styles:
+        other, share = _TINTS[seen[style.color] % len(_TINTS)]
+        line = _LINES[seen[style.color] // len(_TINTS) % len(_LINES)]
+        found.append(Style(mix(style.color, other, share), style.marker, line))
+        seen[style.color] += 1
     return found
 
 

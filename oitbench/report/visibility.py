@@ -165,8 +165,10 @@ def extent(curves: Curves) -> tuple[float, float]:
     z = curves.fragments.z[:, 0, 0].astype(np.float64)
     changed = np.zeros(len(z), dtype=np.bool_)
     for values in _all(curves).values():
-        steps = np.abs(np.diff(values.mean(axis=1)))
-        changed |= steps > _CHANGE
+        mean = values.mean(axis=1)
+        # Where a fragment covers nothing, the curve is that of the last one that does.
+        known = np.maximum.accumulate(np.where(np.isfinite(mean), np.arange(len(mean)), 0))
+        changed |= np.abs(np.diff(mean[known])) > _CHANGE
     places = np.flatnonzero(changed)
     last = z[places[-1]] if len(places) else z[-1]
     margin = max(0.06 * (last - z[0]), 1e-3 * last)

@@ -159,7 +159,7 @@ def test_the_section_has_an_answer_two_figures_and_all_errors(tmp_path: Path) ->
     shown: ReportContext = context(tmp_path, cells, tmp_path)
     parts = Collection.load().reports["answer"].build(shown)
     assert [type(part) for part in parts if not hasattr(part, "png")] == [
-        Statement, Choices, HeatTable,
+        Choices, Statement, HeatTable,
     ]  # fmt: skip
     heat = parts[-1]
     assert isinstance(heat, HeatTable)
