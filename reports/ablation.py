@@ -103,6 +103,7 @@ def _figure(context: ReportContext, marks: Sequence[tuple[Panel, Sequence[Mark]]
             axes.set_title(panel.title)
             axes.set_xlabel("cost, ms per frame, lower is better")
             axes.set_ylabel(f"gain in {context.flip_name}, higher is better")
+        figures.share_rows(grid[: len(marks)], across)
         # Labels need the final layout.
         for axes, (_, shown) in zip(grid, marks, strict=False):
             _add_labels(axes, shown)

@@ -87,18 +87,21 @@ def _choices(context: ReportContext, found: Sequence[Answer]) -> Choices:
         for price in [choice.price]
     ]
     write_csv(path, ("subject", "criterion", "method", context.flip, "method_ms", "cost"), lines)
+    # Without times, only one criterion chooses.
+    places = [k for k in range(len(_CRITERIA)) if any(_chosen(answer)[k] for answer in found)]
     where = "a software renderer" if context.results.software else "this GPU"
     return Choices(
-        "Which method for which content",
+        "By content",
         f"Mean {context.flip_name} against the truth that ranks each scene (0 is perfect; a "
         f"difference of {answers.NEAR:g} is hard to see), geometric mean of the time that the "
         f"method adds to a frame on {where}, and its ratio to the fastest method of each scene. "
         "Methods that lack a number in one of the scenes are left out."
         + times.explain(context.results.records),
         path,
-        _CRITERIA,
+        tuple(_CRITERIA[place] for place in places),
         tuple(
-            (answer.subject, answer.scenes, tuple(map(_shown, _chosen(answer)))) for answer in found
+            (answer.subject, answer.scenes, tuple(_shown(_chosen(answer)[k]) for k in places))
+            for answer in found
         ),
     )
 

@@ -118,6 +118,7 @@ def _figure(context: ReportContext, plots: Mapping[Place, Sequence[Curve]]) -> A
             axes.remove()
         for axes, (place, curves) in zip(grid, plots.items(), strict=False):
             _draw(axes, place, curves, styles)
+        figures.share_rows(grid[: len(plots)], across)
         caption = (
             f"{metrics.RMSE} against {TRUTHS[EXACT]} over the number of frames. Each curve names "
             "the grid of sub-pixels of its cells, and its slope. Dotted: slope −1/2."

@@ -189,6 +189,7 @@ def _figure(context: ReportContext, axis: Axis, curves: Sequence[Curve]) -> Arti
             axes.remove()
         for axes, shown in zip(grid, plots.values(), strict=False):
             _draw(axes, context, axis, shown)
+        figures.share_rows(grid[: len(plots)], across)
         caption = (
             f"Mean {context.flip_name} over {axis.key} of the {axis.owner}, against the truth that "
             "is named at each axis. Dotted: the default. Shaded: errors that differ from the "

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from importlib import resources
 from pathlib import Path
@@ -63,6 +63,15 @@ def save(figure: Canvas, path: Path, *, title: str, caption: str) -> Figure:
     figure.savefig(pdf, metadata={"CreationDate": None})
     width = round(figure.get_figwidth() * _CSS_PIXELS_PER_INCH)
     return Figure(title, caption, png, pdf, width)
+
+
+def share_rows(panels: Sequence[Axes], across: int) -> None:
+    """Give the panels of each row of a grid, `across` panels wide, one vertical scale."""
+    for first in range(0, len(panels), across):
+        row = panels[first : first + across]
+        ends = [axes.get_ylim() for axes in row]
+        for axes in row:
+            axes.set_ylim(min(low for low, _ in ends), max(high for _, high in ends))
 
 
 def truth_mark(truth: str) -> dict[str, Any]:

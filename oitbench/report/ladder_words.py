@@ -39,7 +39,7 @@ def _consists(method: str, truth: str, split: Split, full: bool) -> str:
     shares[1:] = [text.replace(" is ", " ") for text in shares[1:]]
     cross = split.shares[CROSS]
     if abs(cross) < _NOTHING:
-        rest = "and cross terms are 0 %"
+        rest = f"and cross terms are {_percent(0.0)}"
     elif cross > 0:
         rest = f"and {_percent(cross)} cross terms of errors that add up"
     else:
@@ -72,4 +72,4 @@ def _range(splits: Mapping[str, Split]) -> str:
 
 def _percent(share: float) -> str:
     """Return a share without a sign of what noise has left over."""
-    return f"{100 * max(0.0, share):.0f} %"
+    return f"{100 * max(0.0, share):.0f}\N{NO-BREAK SPACE}%"

@@ -50,6 +50,10 @@ def ladder(folder: Path, *cells: Record) -> Ladder:
     return Ladder(found, panel)
 
 
+def words(found: Ladder) -> str:
+    return ladder_words.words(found).replace("\N{NO-BREAK SPACE}", " ")
+
+
 LEVELS = {PICTURE: 0.1, EXACT: 0.2, MATCHED: 0.4, FULL: 0.8}
 
 
@@ -118,14 +122,14 @@ def test_noise_and_small_errors_have_no_shares(tmp_path: Path) -> None:
 
 
 def test_words_say_what_an_error_consists_of(tmp_path: Path) -> None:
-    found = ladder_words.words(ladder(tmp_path, cell(tmp_path, "murk", LEVELS)))
+    found = words(ladder(tmp_path, cell(tmp_path, "murk", LEVELS)))
     assert found == (
         "Of the squared error of murk to full path tracing, 2 % is compositing, 8 % approximation "
         "of effects, 33 % shading model, and 57 % cross terms of errors that add up."
     )
     cancelling = LEVELS | {PICTURE: 0.6}
     drawn = cell(tmp_path, "murk", cancelling, expressed="REFRACTION")
-    text = ladder_words.words(ladder(tmp_path, drawn))
+    text = words(ladder(tmp_path, drawn))
     assert "cross terms take 800 % off, where errors cancel" in text
     assert "draws effects that exact compositing lacks" in text
     undrawn = ladder_words.words(ladder(tmp_path, cell(tmp_path, "murk", cancelling)))
