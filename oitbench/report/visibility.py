@@ -166,13 +166,15 @@ def extent(curves: Curves) -> tuple[float, float]:
     changed = np.zeros(len(z), dtype=np.bool_)
     for values in _all(curves).values():
         mean = values.mean(axis=1)
-        # Where a fragment covers nothing, the curve is that of the last one that does.
-        known = np.maximum.accumulate(np.where(np.isfinite(mean), np.arange(len(mean)), 0))
+        # A fragment that covers nothing has no value; its light is that behind it.
+        last = len(mean) - 1
+        places = np.where(np.isfinite(mean), np.arange(len(mean)), last)
+        known = np.minimum.accumulate(places[::-1])[::-1]
         changed |= np.abs(np.diff(mean[known])) > _CHANGE
-    places = np.flatnonzero(changed)
-    last = z[places[-1]] if len(places) else z[-1]
-    margin = max(0.06 * (last - z[0]), 1e-3 * last)
-    return float(z[0] - margin), float(last + margin)
+    changes = np.flatnonzero(changed)
+    end = z[changes[-1]] if len(changes) else z[-1]
+    margin = max(0.06 * (end - z[0]), 1e-3 * end)
+    return float(z[0] - margin), float(end + margin)
 
 
 def _steps(z: Floats, values: Floats) -> tuple[Floats, Floats]:
