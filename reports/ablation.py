@@ -31,7 +31,7 @@ from oitbench.report.artifacts import Row, Value
 from oitbench.report.cells import effect_label, effect_labels, most_complete
 from oitbench.report.effect_costs import EffectCost, SavedTime, effect_costs
 from oitbench.results.records import Panel
-from oitbench.results.table import MEBIBYTE, MEGABYTE
+from oitbench.results.table import MEBIBYTE
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -80,7 +80,7 @@ def build(context: ReportContext) -> list[Artifact]:
 
 def _marks(costs: Sequence[EffectCost], flip: str) -> list[Mark]:
     """Return the effects with a cost in time and a gain, those of the chosen method last."""
-    colors = palette.colors(map(effect_label, names(~Effect.NONE)))
+    colors = palette.categories(map(effect_label, names(~Effect.NONE)))
     marks = [
         Mark(cost, cost.time, cost.gain, colors.get(cost.effect, figures.QUIET))
         for cost in costs
@@ -101,8 +101,9 @@ def _figure(context: ReportContext, marks: Sequence[tuple[Panel, Sequence[Mark]]
         for axes, (panel, shown) in zip(grid, marks, strict=False):
             _draw(axes, shown)
             axes.set_title(panel.title)
-            axes.set_xlabel("cost, ms per frame")
-            axes.set_ylabel(f"gain in {context.flip}")
+            axes.set_xlabel("cost, ms per frame, lower is better")
+            axes.set_ylabel(f"gain in {context.flip_name}, higher is better")
+        figures.share_rows(grid[: len(marks)], across)
         # Labels need the final layout.
         for axes, (_, shown) in zip(grid, marks, strict=False):
             _add_labels(axes, shown)
@@ -112,7 +113,7 @@ def _figure(context: ReportContext, marks: Sequence[tuple[Panel, Sequence[Mark]]
         methods = ", ".join(dict.fromkeys(chosen))
         caption = (
             "Each mark is one effect. Cost: the frame time in ms that leaving the effect out saves,"
-            f" with its interval. Gain: the increase of the mean {context.flip} "
+            f" with its interval. Gain: the increase of the mean {context.flip_name} "
             "against the ranking truth when the effect is left out; above zero, the picture is "
             f"better with the effect. {ties}Filled marks with names: the method that misses the "
             f"fewest effects of a scene ({methods}); hollow marks: the other methods."
@@ -184,7 +185,7 @@ def _rows(panel: Panel, costs: Sequence[EffectCost], flip: str) -> Iterator[Row]
             effect_labels(ablation.implied),
             *_saved(cost),
             cost.memory / MEBIBYTE,
-            cost.traffic / MEGABYTE,
+            cost.traffic / MEBIBYTE,
             ablation.complete.metric(ablation.complete.ranking_truth, flip),
             ablation.reduced.metric(ablation.reduced.whole_truth, flip),
             cost.gain,
@@ -214,9 +215,7 @@ def _table(context: ReportContext, rows: Sequence[Row]) -> Artifact:
         Column("saved_ms_high", "High", "ms", help="upper end of its interval"),
         columns.DISTURBED,
         Column("saved_mib", "Memory", "MiB", help="saved memory, shared shading included"),
-        Column(
-            "saved_mb", "Traffic", "MB", help="saved bytes per frame, 10^6; with shared shading"
-        ),
+        Column("saved_traffic_mib", "Traffic", "MiB", help="saved per frame; with shared shading"),
         Column(f"with.{flip}", "FLIP with", decimals=4, help=f"{traced}, with the effect"),
         Column(f"without.{flip}", "FLIP without", decimals=4, help=f"{traced}, without the effect"),
         Column(f"gain.{flip}", "Gain", decimals=4, help="FLIP without the effect minus FLIP with"),
@@ -226,8 +225,8 @@ def _table(context: ReportContext, rows: Sequence[Row]) -> Artifact:
     )
     caption = (
         "Savings in frame time, memory and traffic when one effect is left out, and the gain in "
-        f"{flip} against the truth that ranks the scene. Negative savings are costs; small "
-        "differences in time are noise, as their intervals show."
+        f"{context.flip_name} against the truth that ranks the scene. Negative savings are costs; "
+        "small differences in time are noise, as their intervals show."
         + times.explain(context.results.records)
     )
     return write_table(

@@ -1,8 +1,4 @@
-"""Which method to use, and at what price.
-
-Methods are compared by FLIP against the truth that ranks each scene, and by method time: everything
-that a method adds to a frame. Error, time and price of a method are those of the same cells.
-"""
+"""Which method to use for which content, and at what price."""
 
 from __future__ import annotations
 
@@ -10,7 +6,16 @@ import math
 from collections.abc import Sequence
 
 from oitbench.parameters import natural
-from oitbench.report import Artifact, ReportContext, answers, multiples, palette, times
+from oitbench.report import (
+    Artifact,
+    ReportContext,
+    answers,
+    error_axis,
+    multiples,
+    palette,
+    times,
+    tracing,
+)
 from oitbench.report.answers import Answer, Choice
 from oitbench.report.artifacts import Choices, Chosen, HeatTable, Shade, Statement, write_csv
 from oitbench.report.multiples import Pane, Point
@@ -23,16 +28,16 @@ title = "The answer"
 order = 1
 
 _CRITERIA = (
-    ("Least error", "whatever the time; of methods that tie, the fastest"),
     (
-        f"Least error within {answers.CHEAP:g}× the fastest",
-        f"of methods that take at most {answers.CHEAP:g} times the time of the fastest",
-    ),
-    (
-        f"Cheapest within {answers.NEAR:g} of the least error",
+        "Use: the cheapest that is near the best",
         f"of methods whose FLIP is at most {answers.NEAR:g} above the least",
     ),
-    ("Fastest", "whatever the error"),
+    (
+        f"If it must be cheap: at most {answers.CHEAP:g}× the fastest",
+        f"least error of methods that take at most {answers.CHEAP:g} times the time of the fastest",
+    ),
+    ("Least error, whatever the time", "of methods that tie, the fastest"),
+    ("Fastest, whatever the error", "least method time"),
 )
 # Errors are shaded from white at the first to the darkest at the last, on a logarithmic scale.
 _PALE, _DARK = 1e-3, 1.0
@@ -47,8 +52,8 @@ def build(context: ReportContext) -> list[Artifact]:
     if not found:
         return []
     parts: list[Artifact] = [
-        Statement(tuple(answers.sentences(found, panels, context.flip))),
         _choices(context, found),
+        Statement(tuple(answers.sentences(found, panels, context.flip))),
     ]
     for name, axis, words in (
         ("time", "method time, ms (logarithmic)", "method time"),
@@ -64,11 +69,12 @@ def build(context: ReportContext) -> list[Artifact]:
                     title=f"Error over {words}, all scenes",
                     caption="All panes share both axes; lower left is best. Lines in color join "
                     "values of one parameter. The row at the bottom, below a dotted break of the "
-                    f"axis, holds errors up to {multiples.FLOOR:g}. The truth that ranks the scene "
+                    f"axis, holds errors up to {error_axis.FLOOR:g}. The truth that ranks a scene "
                     "is below its name." + times.explain(context.results.records),
                 )
             )
-    return [*parts, _heat(context, panels)]
+    traced = tracing.draw(context, panels)
+    return [*parts, *([traced] if traced else []), _heat(context, panels)]
 
 
 def _choices(context: ReportContext, found: Sequence[Answer]) -> Choices:
@@ -81,22 +87,27 @@ def _choices(context: ReportContext, found: Sequence[Answer]) -> Choices:
         for price in [choice.price]
     ]
     write_csv(path, ("subject", "criterion", "method", context.flip, "method_ms", "cost"), lines)
+    # Without times, only one criterion chooses.
+    places = [k for k in range(len(_CRITERIA)) if any(_chosen(answer)[k] for answer in found)]
     where = "a software renderer" if context.results.software else "this GPU"
     return Choices(
-        "Which method for which content",
-        f"Mean {context.flip} over the scenes of a subject, geometric mean of method times on "
-        f"{where}, and their ratio to the fastest method of each scene. Methods that lack a number "
-        "in one of the scenes are left out." + times.explain(context.results.records),
+        "By content",
+        f"Mean {context.flip_name} against the truth that ranks each scene (0 is perfect; a "
+        f"difference of {answers.NEAR:g} is hard to see), geometric mean of the time that the "
+        f"method adds to a frame on {where}, and its ratio to the fastest method of each scene. "
+        "Methods that lack a number in one of the scenes are left out."
+        + times.explain(context.results.records),
         path,
-        _CRITERIA,
+        tuple(_CRITERIA[place] for place in places),
         tuple(
-            (answer.subject, answer.scenes, tuple(map(_shown, _chosen(answer)))) for answer in found
+            (answer.subject, answer.scenes, tuple(_shown(_chosen(answer)[k]) for k in places))
+            for answer in found
         ),
     )
 
 
 def _chosen(answer: Answer) -> tuple[Choice | None, ...]:
-    return answer.least, answer.cheap, answer.near, answer.fastest
+    return answer.near, answer.cheap, answer.least, answer.fastest
 
 
 def _shown(choice: Choice | None) -> Chosen | None:
@@ -108,14 +119,14 @@ def _shown(choice: Choice | None) -> Chosen | None:
 def _pane(context: ReportContext, panel: Panel, axis: str) -> Pane:
     found: list[tuple[Record, Point]] = []
     for cell in panel.finished:
-        error, x = cell.metric(panel.truth, context.flip), _x(cell, axis)
-        if error is not None and x and cell.outcome is not None:
-            found.append((cell, Point(cell.method, cell.outcome.family, x, error)))
+        errors, cost = cell.errors(panel.truth, context.flip), _cost(cell, axis)
+        if errors is not None and cost and cell.outcome is not None:
+            found.append((cell, Point(cell.method, cell.outcome.family, cost, errors)))
     points = tuple(point for _, point in found)
     return Pane(panel.title, TRUTHS[panel.truth], points, multiples.sweeps(found))
 
 
-def _x(cell: Record, axis: str) -> float | None:
+def _cost(cell: Record, axis: str) -> float | None:
     if axis == "time":
         return cell.time.method_ms.median if cell.time is not None else None
     return cell.outcome.memory.bits_per_pixel / 8 if cell.outcome is not None else None
@@ -135,7 +146,7 @@ def _heat(context: ReportContext, panels: Sequence[Panel]) -> HeatTable:
     write_csv(path, ("scene", "truth", *methods), lines)
     return HeatTable(
         "All errors",
-        f"Mean {context.flip} against the truth that ranks each scene, ×1000. Frames mark the "
+        f"Mean {context.flip_name} against the truth that ranks each scene, ×1000. Frames mark the "
         "least error of a scene and all that tie with it within the noise of the reference.",
         path,
         tuple(methods),

@@ -1,4 +1,4 @@
-"""Lists, curves and blending at equal bytes per pixel: where the lines of their errors cross.
+"""Where the errors of the three kinds cross at equal bytes per pixel.
 
 Lists keep k nodes per pixel: fragments, or steps of a visibility curve at their depths. Curves
 keep absorbance over depth in a fixed number of terms. Blending keeps sums, which more bytes make no
@@ -160,8 +160,8 @@ def _scenes(context: ReportContext, found: Comparison, scenes: Sequence[Case]) -
             rows.append((group.title, case.scene, case.layers, case.opacity, *best, *winners))
     caption = (
         f"The method of lowest {metrics.RMSE} in each family, against exact compositing, and its "
-        f"{context.flip}. The last columns compare the lowest errors of lists and curves, which "
-        f"are equal below {families.UNSEEN:g}."
+        f"{context.flip_name}. The last columns compare the lowest errors of lists and curves, "
+        f"which are equal below {families.UNSEEN:g}."
     )
     path = context.out / "crossover-scenes.csv"
     return write_table(path, heading, rows, title="Scenes at equal bytes", caption=caption)

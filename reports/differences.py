@@ -75,7 +75,7 @@ def _figure(context: ReportContext, rows: Sequence[_Row], number: int) -> Figure
             top += height
         caption = (
             "Upper pictures: the image at the exposure of the scene. Lower pictures: its "
-            f"difference from exact compositing, times {FACTOR}. Numbers: mean {context.flip}."
+            f"difference from exact compositing, times {FACTOR}. Numbers: mean {context.flip_name}."
         )
         path = context.out / f"differences-{number}"
         return figures.save(canvas, path, title=title, caption=caption)

@@ -45,7 +45,8 @@ def build(context: ReportContext) -> list[Artifact]:
             _COLUMNS,
             [_cells(row, context.flip) for row in rows],
             title=title,
-            caption=f"{context.flip} against exact compositing, and ratios of time to the peer.",
+            caption=f"{context.flip_name} against exact compositing, and ratios of time to that "
+            "of the peer.",
         )
     ]
 

@@ -1,9 +1,9 @@
 """The picture of every method, with all truths, and the map of its FLIP error.
 
 A click on a picture opens the viewer, which shows all pictures of a scene at the same pixels,
-without loss. The maps below the pictures show FLIP against the truth that ranks the scene, from 0
-(black) to 1 (pale yellow). Pixels that are not finite are magenta; such pictures have no map and no
-error.
+without loss. The maps below the pictures show FLIP against the truth that ranks the scene; all maps
+of a scene have one scale, which its caption states. Pixels that are not finite are magenta; such
+pictures have no map and no error.
 """
 
 from __future__ import annotations
@@ -22,12 +22,12 @@ def build(context: ReportContext) -> list[Artifact]:
     # A picture and an error map each.
     room = previews.room(2 * sum(len(TRUTHS) + len(panel.cells) for panel in panels))
     drawn: list[Artifact] = []
+    flip = context.flip_name
     for panel in panels:
         caption = (
             "Upper picture: the image at the exposure of the scene. Lower picture: map of "
-            f"{context.flip} against {TRUTHS[panel.truth]}, which ranks the scene, from 0 (black) "
-            f"to 1 (pale yellow). Numbers: mean {context.flip} against each truth. Noise floor: "
-            f"{context.flip} that the noise of a traced truth alone causes."
+            f"{flip} against {TRUTHS[panel.truth]}, which ranks the scene. Numbers: mean {flip} "
+            f"against each truth. Noise floor: what the noise of a traced truth alone causes."
         )
         found = stack(context, panel, caption=caption, characters=room)
         drawn.append(found or Note(f"{panel.title}: there is no picture yet."))

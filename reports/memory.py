@@ -1,7 +1,7 @@
 """Targets and buffers that each method allocates.
 
-The color and depth targets that every method uses are not counted, nor are shadow maps and ambient
-occlusion, which all methods share.
+The color and depth targets that every method uses are not counted. Shadow maps and ambient
+occlusion, which all methods share, are a bar of their own.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from oitbench.report import Artifact, Column, ReportContext, accounts, columns, 
 from oitbench.report.accounts import Account, Bar, Block
 from oitbench.report.artifacts import Row
 from oitbench.results.records import Panel
-from oitbench.results.schema import Outcome, Record
+from oitbench.results.schema import Memory, Outcome, Record
 from oitbench.results.table import MEBIBYTE
 
 title = "Memory"
@@ -28,8 +28,15 @@ def build(context: ReportContext) -> list[Artifact]:
 
 
 def _bar(context: ReportContext, cell: Record, outcome: Outcome) -> Bar:
-    """Return one block per resource, in tints of the method's color."""
-    memory, color = outcome.memory, context.style(cell.method).color
+    return _stacked(outcome.memory, context.style(cell.method).color, "no memory of its own")
+
+
+def _shared(panel: Panel, outcome: Outcome) -> Bar:
+    return _stacked(outcome.shading.memory, accounts.SHARED, "no shadow maps, no occlusion")
+
+
+def _stacked(memory: Memory, color: str, nothing: str) -> Bar:
+    """Return one block per resource, in tints of a color."""
     steps = max(1, len(memory.terms) - 1)
     blocks = tuple(
         Block(
@@ -39,7 +46,7 @@ def _bar(context: ReportContext, cell: Record, outcome: Outcome) -> Bar:
         for place, term in enumerate(memory.terms)
     )
     total = f"{decimal(memory.bytes / MEBIBYTE)} MiB   {memory.bits_per_pixel:,.0f} bit/px"
-    return Bar(blocks, total if memory.bytes else "no memory of its own")
+    return Bar(blocks, total if memory.bytes else nothing)
 
 
 def _rows(panel: Panel, cell: Record, outcome: Outcome) -> Iterator[Row]:
@@ -73,5 +80,6 @@ _ACCOUNT = Account(
     table_caption="Targets and buffers that the methods declare, in bytes, in MiB (2²⁰ bytes), and "
     "in bits per pixel of the picture.",
     bar=_bar,
+    shared=_shared,
     rows=_rows,
 )

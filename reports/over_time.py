@@ -25,8 +25,10 @@ from oitbench.report import (
     ReportContext,
     columns,
     figures,
+    palette,
     write_table,
 )
+from oitbench.report.palette import Style
 from oitbench.results.schema import Record
 from oitbench.truths import EXACT, TRUTHS
 
@@ -42,7 +44,6 @@ _ACROSS = 2
 _WIDTH, _HEIGHT = 4.7, 4.2
 _DECADE = 12
 _LINES = ("-", "--", "-.", ":")
-_MARKERS = ("o", "s", "^", "D", "v")
 
 
 @dataclass(frozen=True)
@@ -109,12 +110,15 @@ def _figure(context: ReportContext, plots: Mapping[Place, Sequence[Curve]]) -> A
     across = min(_ACROSS, len(plots))
     down = -(-len(plots) // across)
     methods = sorted({c.method for curves in plots.values() for c in curves}, key=natural)
+    looks = palette.tinted(_family_style(context, method) for method in methods)
+    styles = dict(zip(methods, looks, strict=True))
     with figures.canvas(_WIDTH * across, _HEIGHT * down) as figure:
         grid = list(figure.subplots(down, across, squeeze=False).flat)
         for axes in grid[len(plots) :]:
             axes.remove()
         for axes, (place, curves) in zip(grid, plots.items(), strict=False):
-            _draw(axes, place, curves, methods)
+            _draw(axes, place, curves, styles)
+        figures.share_rows(grid[: len(plots)], across)
         caption = (
             f"{metrics.RMSE} against {TRUTHS[EXACT]} over the number of frames. Each curve names "
             "the grid of sub-pixels of its cells, and its slope. Dotted: slope −1/2."
@@ -123,7 +127,13 @@ def _figure(context: ReportContext, plots: Mapping[Place, Sequence[Curve]]) -> A
         return figures.save(figure, path, title="Error over frames", caption=caption)
 
 
-def _draw(axes: Axes, place: Place, curves: Sequence[Curve], methods: Sequence[str]) -> None:
+def _family_style(context: ReportContext, method: str) -> Style:
+    """Return the look of the family of a method; its label has no number of frames."""
+    family = context.families.get(parameters.parse(method).name, "")
+    return Style(*palette.family_look(family), "-")
+
+
+def _draw(axes: Axes, place: Place, curves: Sequence[Curve], styles: Mapping[str, Style]) -> None:
     axes.grid(True, axis="both")
     axes.set_xscale("log", base=2)
     axes.set_yscale("log")
@@ -133,13 +143,13 @@ def _draw(axes: Axes, place: Place, curves: Sequence[Curve], methods: Sequence[s
     grids = sorted({curve.ssaa for curve in curves})
     for curve in curves:
         known = curve.errors
-        number = methods.index(curve.method)
+        style = styles[curve.method]
         axes.plot(
             [*known],
             [*known.values()],
-            color=f"C{number}",
+            color=style.color,
             linestyle=_LINES[grids.index(curve.ssaa) % len(_LINES)],
-            marker=_MARKERS[number % len(_MARKERS)],
+            marker=style.marker,
             markersize=5,
             markerfacecolor="none",
             linewidth=1.2,
@@ -154,8 +164,8 @@ def _draw(axes: Axes, place: Place, curves: Sequence[Curve], methods: Sequence[s
         expected = [known[first] * math.sqrt(first / n) for n in known]
         axes.plot([*known], expected, color=figures.QUIET, linewidth=0.7, linestyle=":", zorder=1)
     axes.set_title(place[0])
-    axes.set_xlabel("frames")
-    axes.set_ylabel(f"RMSE to {TRUTHS[EXACT]}")
+    axes.set_xlabel("frames whose mean is the picture (logarithmic)")
+    axes.set_ylabel(f"RMSE to {TRUTHS[EXACT]}, lower is better (logarithmic)")
     axes.legend(
         fontsize=6.5, frameon=False, ncols=2, loc="upper center", bbox_to_anchor=(0.45, -0.16)
     )

@@ -1,4 +1,4 @@
-"""Method time against FLIP error, one figure per scene.
+"""One figure per scene; lower left is best.
 
 One truth ranks the methods of a scene: exact compositing of the same fragments if all effects that
 the scene requests are compositing or shared shading, else matched tracing, which has exactly the
@@ -6,19 +6,18 @@ light transport that the effects stand for. Where that truth is missing, errors 
 compositing are shown as "compositing only", without a front. Method time is everything that a
 method adds to a frame: the sort on the CPU with its upload, and all passes. Shadow maps, ambient
 occlusion and the opaque picture are the same for all methods; they are timed apart, and the table
-adds them up to the frame time. The gray line is the Pareto front: the methods for which no other
-method is both faster and at least as accurate. Error bars are intervals that hold the true median
-with at least 95 %. The caption names the methods that tie with the lowest error, where the truth
-has noise.
+adds them up to the frame time. The gray line is the Pareto front: a method is on it if its error is
+clearly lower than that of each faster one, in spite of the noise of the truth. Error bars are
+intervals that hold the true median with at least 95 %.
 """
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from oitbench.image.ties import Errors
 from oitbench.report import (
     Artifact,
     Column,
@@ -27,8 +26,10 @@ from oitbench.report import (
     ReportContext,
     columns,
     decimal,
+    error_axis,
     figures,
     fixed,
+    fronts,
     labels,
     palette,
     plates,
@@ -36,7 +37,7 @@ from oitbench.report import (
     write_table,
 )
 from oitbench.report.artifacts import Row
-from oitbench.results.ranking import ranking, truth_label
+from oitbench.results.ranking import largest_noise_floor, ranking, truth_label
 from oitbench.results.records import Panel
 from oitbench.results.table import flat_times
 from oitbench.results.times import Interval, Time
@@ -48,19 +49,24 @@ if TYPE_CHECKING:
 title = "Accuracy against method time"
 order = 10
 
-# Below the smallest error, the axis is linear down to zero, the error of exact methods.
-_LEAST_ERROR = 1e-4
+# With more methods, only those of the front and the best of each family have their names.
+_NAMED = 12
 # An axis whose times differ by less than this factor has a tick at every digit.
 _NARROW = 5
 
 
 @dataclass(frozen=True)
 class Point:
-    """Times and error of one method."""
+    """Times and errors of one method."""
 
     method: str
     times: Time
-    error: float
+    errors: Errors
+
+    @property
+    def cost(self) -> float:
+        """Median method time in milliseconds."""
+        return self.time.median
 
     @property
     def time(self) -> Interval:
@@ -69,8 +75,8 @@ class Point:
 
     @property
     def place(self) -> tuple[float, float]:
-        """Median method time in milliseconds, and error."""
-        return self.time.median, self.error
+        """Where the point is on the axes."""
+        return self.cost, error_axis.place(self.errors.error)
 
     @property
     def label(self) -> str:
@@ -100,7 +106,7 @@ def build(context: ReportContext) -> list[Artifact]:
                 _columns(context.flip),
                 rows,
                 title="All points",
-                caption=f"Times and mean {context.flip} of the figures above. Frame time is the "
+                caption=f"Times and mean {context.flip_name} of the figures. Frame time is the "
                 "median sum of method time and shading." + times.explain(context.results.records),
                 collapsed=True,
             )
@@ -108,29 +114,24 @@ def build(context: ReportContext) -> list[Artifact]:
     return drawn
 
 
-def front(points: Iterable[Point]) -> list[Point]:
-    """Return the Pareto front, fastest first."""
-    kept: list[Point] = []
-    for point in sorted(points, key=lambda point: point.place):
-        if not kept or point.error < kept[-1].error:
-            kept.append(point)
-    return kept
-
-
 def _points(panel: Panel, truth: str, metric: str) -> list[Point]:
     found = []
     for cell in panel.finished:
-        error = cell.metric(truth, metric)
-        if cell.time is not None and error is not None:
-            found.append(Point(cell.method, cell.time, error))
+        errors = cell.errors(truth, metric)
+        if cell.time is not None and errors is not None:
+            found.append(Point(cell.method, cell.time, errors))
     return found
 
 
 def _figure(context: ReportContext, panel: Panel, truth: str, points: Sequence[Point]) -> Figure:
-    best = front(points) if truth == panel.truth else []
+    best = fronts.front(points) if truth == panel.truth else []
     with figures.canvas(figures.WIDTH, 4.8) as figure:
         axes = figure.subplots()
         _draw(axes, context, points, best)
+        floor = largest_noise_floor(panel.finished, truth, context.flip)
+        low, _ = axes.get_ylim()
+        if floor and error_axis.place(floor) > low:
+            figures.add_band(axes, low, error_axis.place(floor), "noise of the truth", at_top=False)
         axes.set_title(f"Truth: {truth_label(panel, truth)}")
         axes.set_xlabel(_axis_label(points))
         # Labels need the final layout.
@@ -169,11 +170,11 @@ def _draw(
         )
     if best:
         axes.plot(*_front_line(axes, best), color=figures.QUIET, linewidth=1, zorder=1.5)
-    axes.set_ylabel(f"mean {context.flip} (lower is better)")
+    axes.set_ylabel(error_axis.LABEL)
 
 
 def _set_scales(axes: Axes, points: Sequence[Point]) -> None:
-    """Set logarithmic axes; the axis of errors gets a linear part down to zero if needed."""
+    """Set logarithmic axes; the smallest errors share a place below a break."""
     from matplotlib.ticker import LogLocator, NullLocator
 
     medians = [point.time.median for point in points]
@@ -185,27 +186,9 @@ def _set_scales(axes: Axes, points: Sequence[Point]) -> None:
     axes.xaxis.set_major_locator(LogLocator(subs=range(1, 10) if narrow else (1, 2, 5)))
     axes.xaxis.set_minor_locator(NullLocator())
     axes.xaxis.set_major_formatter("{x:g}")
-    errors = [point.error for point in points]
-    positive = [error for error in errors if error > _LEAST_ERROR] or [10 * _LEAST_ERROR]
-    if min(errors) > _LEAST_ERROR:
-        axes.set_yscale("log")
-        axes.set_ylim(min(positive) / 1.8, max(positive) * 1.8)
-    else:
-        linear = 10 ** math.floor(math.log10(min(positive)))
-        axes.set_yscale("symlog", linthresh=linear, linscale=0.4)
-        axes.set_ylim(-0.45 * linear, max(positive) * 1.8)
-    ticks = _error_ticks(min(errors), max(positive), min(positive))
-    axes.set_yticks(ticks, [f"{tick:g}" for tick in ticks])
-    axes.yaxis.set_minor_locator(NullLocator())
-
-
-def _error_ticks(lowest: float, highest: float, least_positive: float) -> list[float]:
-    """Return round values that enclose all errors; zero is one of them if an error is near zero."""
-    decades = range(math.floor(math.log10(least_positive)), math.ceil(math.log10(highest)) + 1)
-    factors = (1, 2, 5) if len(decades) < 4 else (1, 3)
-    ticks = [factor * 10.0**decade for decade in decades for factor in factors]
-    kept = [tick for tick in ticks if least_positive / 2 <= tick <= 1.8 * highest]
-    return kept if lowest > _LEAST_ERROR else [0.0, *kept]
+    errors = [point.errors.error for point in points]
+    if error_axis.set_scale(axes, max(errors), lowest=min(errors)):
+        error_axis.draw_break(axes)
 
 
 def _front_line(axes: Axes, best: Sequence[Point]) -> tuple[list[float], list[float]]:
@@ -217,15 +200,16 @@ def _front_line(axes: Axes, best: Sequence[Point]) -> tuple[list[float], list[fl
     xs, ys = [best[0].time.median], [axes.get_ylim()[1]]
     for point in best:
         xs += [point.time.median] * 2
-        ys += [ys[-1], point.error]
+        ys += [ys[-1], point.place[1]]
     return [*xs, axes.get_xlim()[1]], [*ys, ys[-1]]
 
 
 def _add_labels(
     axes: Axes, context: ReportContext, points: Sequence[Point], best: Sequence[Point]
 ) -> None:
+    named = points if len(points) <= _NAMED else _best_of_families(context, points)
     # The first labels get the best places.
-    ordered = [*best, *(point for point in points if point not in best)]
+    ordered = [*best, *(point for point in named if point not in best)]
     written = [
         labels.Label(
             *point.place,
@@ -236,7 +220,23 @@ def _add_labels(
         )
         for point in ordered
     ]
-    labels.place(axes, written, lines=[_front_line(axes, best)] if best else [])
+    lines: list[tuple[Sequence[float], Sequence[float]]] = []
+    if best:
+        lines.append(_front_line(axes, best))
+    # A line without length keeps labels away from a point without a name.
+    lines += [((x, x), (y, y)) for x, y in (p.place for p in points if p not in ordered)]
+    labels.place(axes, written, lines=lines)
+
+
+def _best_of_families(context: ReportContext, points: Sequence[Point]) -> list[Point]:
+    """Return the point of least error in each family."""
+    families = {
+        record.method: context.families.get(record.name) for record in context.results.records
+    }
+    best: dict[str | None, Point] = {}
+    for point in sorted(points, key=lambda point: point.errors.error):
+        best.setdefault(families[point.method], point)
+    return [*best.values()]
 
 
 def _caption(context: ReportContext, panel: Panel, truth: str, points: Sequence[Point]) -> str:
@@ -246,15 +246,18 @@ def _caption(context: ReportContext, panel: Panel, truth: str, points: Sequence[
     absent = [cell.method for cell in panel.cells if cell.method not in shown]
     parts = [
         f"Median method time in ms with its interval on {results.renderer} ({kind}) against "
-        f"the mean of {context.flip}. Methods at the lower left are best.",
+        f"the mean of {context.flip_name}. Methods at the lower left are best.",
     ]
     if truth == panel.truth:
         parts.append("Gray line and bold names: the Pareto front.")
+        if len(points) > _NAMED:
+            parts.append("Other names: the least error of each family.")
         found = ranking(panel, context.flip)
         if found.noise_floor:
             parts.append(f"Noise floor: {fixed(found.noise_floor, 4)}.")
         if len(found.best) > 1:
-            parts.append(f"Tied with the lowest error: {', '.join(found.best)}.")
+            tied = found.best if len(found.best) <= _NAMED else [f"{len(found.best)} methods"]
+            parts.append(f"Tied with the lowest error: {', '.join(tied)}.")
     else:
         reason = plates.why_no_truth(context, panel.finished, panel.truth)
         parts.append(
@@ -276,7 +279,7 @@ def _shading(points: Sequence[Point]) -> str:
 
 
 def _rows(panel: Panel, truth: str, points: Sequence[Point]) -> Iterator[Row]:
-    best = front(points) if truth == panel.truth else []
+    best = fronts.front(points) if truth == panel.truth else []
     for point in points:
         values = times.marked(flat_times(point.times), point.times.block.disturbed)
         yield (
@@ -284,7 +287,7 @@ def _rows(panel: Panel, truth: str, points: Sequence[Point]) -> Iterator[Row]:
             point.method,
             truth_label(panel, truth),
             *(values[column.key] for column in columns.TIMES),
-            point.error,
+            point.errors.error,
             "yes" if point in best else "",
         )
 

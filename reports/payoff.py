@@ -101,7 +101,7 @@ def build(context: ReportContext) -> list[Artifact]:
                 f"{effect_labels(_PHENOMENA)}."
             )
         ]
-    notes = [_summary(found, context.flip), *(payoff.sentence for payoff in found)]
+    notes = [_summary(found, context.flip_name), *(payoff.sentence for payoff in found)]
     return [_table(context, rows), *map(Note, notes)]
 
 
@@ -128,7 +128,7 @@ def payoff_of(scene: str, scored: Sequence[Scored]) -> Payoff | None:
     return None
 
 
-def _summary(payoffs: Sequence[Payoff], flip: str) -> str:
+def _summary(payoffs: Sequence[Payoff], name: str) -> str:
     """Return a sentence about the scenes in which expressing more effects is no better."""
     if not payoffs:
         return "All methods miss the same number of effects, so there is nothing to compare."
@@ -138,8 +138,8 @@ def _summary(payoffs: Sequence[Payoff], flip: str) -> str:
         if payoff.gain <= 0
     ]
     if not lost:
-        return f"Methods that express more effects have the lower {flip} in every scene."
-    return f"Methods that express more effects do not have the lower {flip} in {', '.join(lost)}."
+        return f"Methods that express more effects have the lower {name} in every scene."
+    return f"Methods that express more effects do not have the lower {name} in {', '.join(lost)}."
 
 
 def _scored(panel: Panel, flip: str) -> list[Scored]:
@@ -170,9 +170,9 @@ def _table(context: ReportContext, rows: Sequence[Row]) -> Artifact:
         Column("mark", "Best", kind="text"),
     )
     caption = (
-        f"Methods of each scene by mean {flip} against the truth that ranks them, lowest first. "
-        "Below, for each scene: the best of the methods that miss the fewest effects, and the best "
-        "of the others."
+        f"Methods of each scene by mean {context.flip_name} against the truth that ranks them, "
+        "lowest first. Below, for each scene: the best of the methods that miss the fewest "
+        "effects, and the best of the others."
     )
     return write_table(
         context.out / "payoff.csv",

@@ -1,8 +1,8 @@
 """The picture of every method beside the traced ones, for the phenomena of transparency.
 
 Only scenes appear that request more effects than coverage. The maps show FLIP against matched
-tracing, from 0 (black) to 1 (pale yellow): it has exactly the light transport that the effects
-stand for. Full path tracing has all of it, and is context.
+tracing: it has exactly the light transport that the effects stand for. Full path tracing has all of
+it, and is context.
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ from collections.abc import Sequence
 
 from oitbench.report import Artifact, Figure, Note, ReportContext, figures, plates
 from oitbench.report.cells import effect_label, effect_labels, most_complete
+from oitbench.report.error_maps import MapScale, scale_of
 from oitbench.results.records import Panel
 from oitbench.results.schema import Record
 from oitbench.truths import MATCHED, TRACED, TRUTHS
@@ -54,17 +55,18 @@ def _methods(context: ReportContext, panel: Panel) -> Artifact:
     """Return the plate of all methods, with all effects that the scene requests."""
     folder = context.out / "phenomena" / panel.slug
     shown = [plates.show_truth(context, panel, truth, folder) for truth in TRACED]
+    scale = scale_of(panel.finished, MATCHED, context.flip)
     for cell in panel.finished:
         requested, missing = len(cell.requested_effects), len(cell.missing_effects)
         text = f"misses {missing} of {requested} effects" if missing else "all effects"
         values = (*plates.error_text(context, cell, MATCHED), text)
-        shown.append(plates.show_cell(context, cell, MATCHED, folder, values=values))
+        shown.append(plates.show_cell(context, cell, MATCHED, folder, values=values, scale=scale))
     caption = (
         f"Effects that the scene requests: {effect_labels(panel.finished[0].requested_effects)}. "
-        f"{_reading(context, MATCHED)}"
+        f"{_reading(context, MATCHED, scale)}"
     )
     path = context.out / f"phenomena-{panel.slug}"
-    return plates.grid(context, panel, shown, path, title=panel.title, caption=caption)
+    return plates.grid(context, panel, shown, path, scale=scale, title=panel.title, caption=caption)
 
 
 def _ablations(context: ReportContext, panel: Panel, complete: Record) -> Artifact:
@@ -72,6 +74,7 @@ def _ablations(context: ReportContext, panel: Panel, complete: Record) -> Artifa
     folder = context.out / "phenomena" / f"{panel.slug}-ablation"
     shown = [plates.show_truth(context, panel, panel.truth, folder)]
     cells = {"all effects": (complete, panel.truth)}
+    scale = scale_of([complete], panel.truth, context.flip)
     dependent: list[str] = []
     for ablation in panel.ablations:
         if ablation.complete is complete:
@@ -82,23 +85,26 @@ def _ablations(context: ReportContext, panel: Panel, complete: Record) -> Artifa
                 dependent.append(f"Leaving out {named} also leaves out {implied}.")
     for label, (cell, truth) in cells.items():
         values = plates.error_text(context, cell, truth, panel.truth)
-        shown.append(plates.show_cell(context, cell, truth, folder, values=values, label=label))
-    caption = f"{complete.method} with effects left out. {_reading(context, panel.truth)}"
+        shown.append(
+            plates.show_cell(context, cell, truth, folder, values=values, scale=scale, label=label)
+        )
+    caption = f"{complete.method} with effects left out. {_reading(context, panel.truth, scale)}"
     return plates.grid(
         context,
         panel,
         shown,
         context.out / f"phenomena-{panel.slug}-ablation",
+        scale=scale,
         title=f"{panel.title}: effects left out",
         caption=" ".join([caption, *dependent]),
     )
 
 
-def _reading(context: ReportContext, truth: str) -> str:
+def _reading(context: ReportContext, truth: str, scale: MapScale) -> str:
     """Return the part of a caption that explains maps and numbers."""
     return (
-        f"Lower picture: map of {context.flip} against {TRUTHS[truth]}, from 0 (black) to 1 (pale "
-        f"yellow). Number: mean {context.flip}."
+        f"Lower picture: map of {context.flip_name} against {TRUTHS[truth]}, {scale.words}. "
+        f"Number: mean {context.flip_name}."
     )
 
 
@@ -130,6 +136,6 @@ def _pair(context: ReportContext, panel: Panel, cell: Record) -> list[Figure]:
             title=f"{panel.title}: diffusion",
             caption=f"Upper picture: matched tracing. Lower picture: {cell.method}, which misses "
             "the fewest effects of all methods that express diffusion. Number: mean "
-            f"{context.flip} against it.",
+            f"{context.flip_name} against it.",
         )
     return [figure]

@@ -1,4 +1,4 @@
-"""Scenes: what each asks of a renderer.
+"""What each scene asks of a renderer.
 
 Each row is a view of a scene: its picture, the number of transparent fragments at each pixel, the
 share of pixels by that number, and counts. Fragments are counted at the centers of pixels, without
@@ -168,7 +168,7 @@ def _draw(canvas: Canvas, card: Card, box: tuple[float, float], top: float) -> N
     complexity = card.statistics.complexity
     if card.counts is not None:
         _draw_map(axes_at(left, width, height), card.counts)
-        if complexity.worst:
+        if complexity.worst > 1:
             _draw_scale(axes_at(left + width + 0.07, 0.1, height), complexity.worst)
     left += width + GAP + _BAR
     if complexity.worst:
@@ -222,7 +222,7 @@ def _draw_histogram(axes: Axes, complexity: DepthComplexity) -> None:
     if complexity.median is not None:
         axes.axvline(complexity.median, color=figures.INK, linewidth=0.9, linestyle=":")
     axes.set_xlim(edges[0], edges[-1])
-    axes.xaxis.set_major_locator(MaxNLocator(5, integer=True))
+    axes.xaxis.set_major_locator(MaxNLocator(5, integer=True, min_n_ticks=1))
     axes.set_xlabel("fragments at a pixel", fontsize=7)
     axes.set_ylabel("% of pixels", fontsize=7)
     axes.tick_params(labelsize=6.5, length=2)

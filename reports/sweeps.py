@@ -24,6 +24,7 @@ from oitbench.report import (
     ReportContext,
     columns,
     figures,
+    palette,
     write_table,
 )
 from oitbench.report.artifacts import Row
@@ -188,10 +189,11 @@ def _figure(context: ReportContext, axis: Axis, curves: Sequence[Curve]) -> Arti
             axes.remove()
         for axes, shown in zip(grid, plots.values(), strict=False):
             _draw(axes, context, axis, shown)
+        figures.share_rows(grid[: len(plots)], across)
         caption = (
-            f"Mean {context.flip} over {axis.key} of the {axis.owner}, against the truth that is "
-            "named at each axis. Dotted: the default. Shaded: errors that differ from the lowest "
-            "one by no more than the noise floor."
+            f"Mean {context.flip_name} over {axis.key} of the {axis.owner}, against the truth that "
+            "is named at each axis. Dotted: the default. Shaded: errors that differ from the "
+            "lowest one by no more than the noise floor."
         )
         path = context.out / f"sweep-{axis.owner}-{axis.key}"
         return figures.save(figure, path, title=f"{axis.key} of the {axis.owner}", caption=caption)
@@ -203,13 +205,14 @@ def _draw(axes: Axes, context: ReportContext, axis: Axis, curves: Sequence[Curve
     if min(values) > 0 and max(values) >= _WIDE * min(values):
         axes.set_xscale("log")
         axes.xaxis.set_major_formatter("{x:g}")
-    for place, curve in enumerate(curves):
-        style = context.style(curve.cells[0].method)
+    styles = palette.tinted(context.style(curve.cells[0].method) for curve in curves)
+    for curve, style in zip(curves, styles, strict=True):
         axes.plot(
             curve.values,
             curve.errors(context.flip),
-            color=f"C{place}" if len(curves) > 1 else style.color,
-            marker=("o", "s", "^", "D", "v")[place % 5],
+            color=style.color,
+            linestyle=style.line,
+            marker=style.marker,
             markersize=4,
             linewidth=1.2,
             label=curve.text,
@@ -226,7 +229,7 @@ def _draw(axes: Axes, context: ReportContext, axis: Axis, curves: Sequence[Curve
     effects = first.cells[0].effects
     axes.set_title(seen(first.labels["scene"], first.cells[0].view))
     axes.set_xlabel(axis.key if effects == REQUESTED else f"{axis.key}\neffects {effects}")
-    axes.set_ylabel(f"to {TRUTHS[first.truth]}")
+    axes.set_ylabel(f"{context.flip_name} error to {TRUTHS[first.truth]}\n(lower is better)")
     axes.legend(fontsize=6, frameon=False)
 
 
@@ -246,7 +249,7 @@ def _table(context: ReportContext, curves: Sequence[Curve]) -> Artifact:
         heading,
         [row for curve in curves for row in _rows(context, curve)],
         title="All points of the sweeps",
-        caption=f"Mean {context.flip} of the curves above.",
+        caption=f"Mean {context.flip_name} of the curves above.",
         collapsed=True,
     )
 

@@ -1,4 +1,4 @@
-"""All cells with cost, errors against all truths, and missing effects.
+"""Each cell with its cost, errors against all truths, and missing effects.
 
 Ranks compare the cells of one scene by FLIP against the truth that ranks it: exact compositing if
 all effects that the scene requests are compositing or shared shading, else matched tracing. Cells
@@ -80,15 +80,16 @@ def _columns(flip: str) -> tuple[Column, ...]:
         columns.METHOD,
         Column("left_out", "Left out", kind="text", help="requested effects that are left out"),
         Column("status", "Status", kind="status"),
+        columns.RANKING_TRUTH,
+        Column("rank", "Rank", kind="rank", help="by the ranking truth; = marks ties"),
         _error(flip, "FLIP exact", 4, "mean against exact compositing"),
-        Column("exact.remark", "Exact is", kind="text", help="it may ignore requested effects"),
         columns.error(MATCHED, flip),
+        columns.error(FULL, flip),
+        *columns.TIMES,
+        Column("exact.remark", "Exact is", kind="text", help="it may ignore requested effects"),
         columns.noise_floor(MATCHED, flip),
         columns.split_error(MATCHED, "transparent", flip),
         columns.split_error(MATCHED, "opaque", flip),
-        columns.RANKING_TRUTH,
-        Column("rank", "Rank", kind="rank", help="by the ranking truth; = marks ties"),
-        columns.error(FULL, flip),
         columns.noise_floor(FULL, flip),
         columns.split_error(FULL, "transparent", flip),
         columns.split_error(FULL, "opaque", flip),
@@ -109,10 +110,9 @@ def _columns(flip: str) -> tuple[Column, ...]:
             5,
             "mean linear difference between random orders of the draws",
         ),
-        *columns.TIMES,
         Column("foreign_percent", "Others", "%", help="CPU time of other processes meanwhile"),
         Column("memory_mib", "Memory", "MiB", help="2^20 bytes"),
-        Column("traffic_mb", "Traffic", "MB", help="bytes read and written per frame, 10^6 bytes"),
+        Column("traffic_mib", "Traffic", "MiB", help="read and written per frame, 2^20 bytes"),
         Column("fragments", "Fragments", help="transparent fragments per frame"),
         Column("unstable_pixels", "Unstable", "px", help="NaN, infinite or negative pixels"),
         Column("missing_effects", "Missing effects", kind="text"),

@@ -1,14 +1,14 @@
-"""The parts of each frame's time.
+"""The sort and the passes of each method, and the shading that all share.
 
-The sort and the passes belong to the method. Shading, in gray, is the same for all methods of a
-scene: shadow maps, ambient occlusion and the opaque picture. The passes are timed one by one, in
-frames of their own, so they can add up to more than the method time at the end of the bar, which is
-that of whole frames.
+Shading, the last bar of each figure, is the same for all methods of a scene: shadow maps, ambient
+occlusion and the opaque picture. The passes are timed one by one, in frames of their own, so they
+can add up to more than the method time at the end of the bar, which is that of whole frames.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from statistics import median
 
 from oitbench.report import (
     Artifact,
@@ -30,7 +30,7 @@ from oitbench.results.times import Interval, Time
 title = "Time"
 order = 38
 
-_SORT, _SHADING = "#4d4d4d", "#d4d4d4"
+_SORT = "#4d4d4d"
 # The last pass of a bar is mixed with this share of white, the first one with none.
 _LIGHTEST = 0.62
 
@@ -49,21 +49,34 @@ def _parts(time: Time) -> list[tuple[str, Interval]]:
 
 
 def _bar(context: ReportContext, cell: Record, outcome: Outcome) -> Bar:
-    """Return one block per part of the method, in tints of its color, and one for shading."""
+    """Return one block per part of the method, in tints of its color."""
     time = cell.time
     if time is None:
         return Bar((), "not timed")
     color, steps = context.style(cell.method).color, max(1, len(time.passes) - 1)
     tints = [palette.mix(color, "#ffffff", _LIGHTEST * k / steps) for k in range(steps + 1)]
     colors = tints if time.sort_ms is None else [_SORT, *tints]
-    blocks = [
+    blocks = tuple(
         Block(name, ((tint, part.median),))
         for (name, part), tint in zip(_parts(time), colors, strict=False)
-    ]
-    shading = Block("shading", ((_SHADING, time.shading_ms.median),))
+    )
     method, frame = (decimal(part.median) for part in (time.method_ms, time.frame_ms))
     total = f"method {method} ms   frame {frame} ms"
-    return Bar((*blocks, shading), times.signed(total, time.block.disturbed))
+    return Bar(blocks, times.signed(total, time.block.disturbed))
+
+
+def _shared(panel: Panel, outcome: Outcome) -> Bar:
+    """Return the parts of shading, each the median over all cells."""
+    timed = [cell.time for cell in panel.finished if cell.time is not None]
+    found: dict[str, list[float]] = {}
+    for time in timed:
+        for part in time.shading:
+            found.setdefault(part.name, []).append(part.ms.median)
+    if not timed:
+        return Bar((), "not timed")
+    blocks = tuple(Block(name, ((accounts.SHARED, median(ms)),)) for name, ms in found.items())
+    whole = median(time.shading_ms.median for time in timed)
+    return Bar(blocks, f"{decimal(whole)} ms")
 
 
 def _rows(panel: Panel, cell: Record, outcome: Outcome) -> Iterator[Row]:
@@ -84,8 +97,8 @@ def _rows(panel: Panel, cell: Record, outcome: Outcome) -> Iterator[Row]:
 _ACCOUNT = Account(
     name="time",
     axis="time, ms",
-    caption="Median times: sort and passes of each method, in order, and in gray the shading "
-    "that all methods share. The numbers are the times of whole frames. "
+    caption="Median times: sort and passes of each method, in order. The numbers are the times of "
+    "whole frames, which include shading. "
     f"{times.SHORT_EXPLANATION}.",
     room=1.35,
     columns=(
@@ -104,6 +117,7 @@ _ACCOUNT = Account(
     table_caption="Parts of each frame, timed one by one, with their intervals. A remark says why "
     "the passes of a method do not add up to their time in a whole frame.",
     bar=_bar,
+    shared=_shared,
     rows=_rows,
-    legend={"sort on the CPU, with upload": _SORT, "shading, shared by all methods": _SHADING},
+    legend={"sort on the CPU, with upload": _SORT},
 )

@@ -15,7 +15,7 @@ import numpy as np
 from oitbench.atomic import replacing
 from oitbench.errors import UsageError
 from oitbench.image.files import Image
-from oitbench.report import figures, plates
+from oitbench.report import error_maps, figures, plates
 
 _COLUMNS = 6
 _LABEL_WIDTH = 24
@@ -113,7 +113,7 @@ class Gallery:
         return f'<figure style="margin:0">{name}{shown}<figcaption>{caption}</figcaption></figure>'
 
     def _colored(self, errors: Image) -> Image:
-        return plates.magma(errors / (self.largest or 1.0))
+        return error_maps.magma(errors / (self.largest or 1.0))
 
     def _repr_png_(self) -> bytes:
         """Return the gallery as one picture."""

@@ -23,6 +23,10 @@ _ROW_HEIGHT = 0.235
 _MARGIN = 0.75
 _LEGEND = 0.25
 _BAR_HEIGHT = 0.72
+SHARED = "#b5b5b5"
+"""Color of what all methods share."""
+_SHARED_NAME = "shared by all methods"
+_SHARED_NOTE = "Below the line: what all methods share, such as shadow maps."
 
 
 @dataclass(frozen=True)
@@ -64,6 +68,8 @@ class Account:
     table_title, table_caption : str
     bar : callable
         Returns the bar of a finished cell.
+    shared : callable
+        Returns the bar of what all methods of a panel share, as one of its outcomes has it.
     rows : callable
         Returns the rows of a finished cell in the table.
     legend : mapping of str to str
@@ -78,6 +84,7 @@ class Account:
     table_title: str
     table_caption: str
     bar: Callable[[ReportContext, Record, Outcome], Bar]
+    shared: Callable[[Panel, Outcome], Bar]
     rows: Callable[[Panel, Record, Outcome], Iterable[Row]]
     legend: Mapping[str, str] = field(default_factory=dict)
 
@@ -92,7 +99,8 @@ def build(context: ReportContext, account: Account) -> list[Artifact]:
             drawn.append(Note(f"{panel.title}: no method has finished yet."))
             continue
         bars = {cell.method: account.bar(context, cell, outcome) for cell, outcome in finished}
-        drawn.append(_figure(context, account, panel, bars))
+        shared = account.shared(panel, finished[0][1])
+        drawn.append(_figure(context, account, panel, bars, shared))
         rows += [row for cell, outcome in finished for row in account.rows(panel, cell, outcome)]
     if rows:
         drawn.append(
@@ -109,28 +117,40 @@ def build(context: ReportContext, account: Account) -> list[Artifact]:
 
 
 def _figure(
-    context: ReportContext, account: Account, panel: Panel, bars: Mapping[str, Bar]
+    context: ReportContext, account: Account, panel: Panel, bars: Mapping[str, Bar], shared: Bar
 ) -> Figure:
-    length = account.room * (max(bar.length for bar in bars.values()) or 1.0)
-    height = _MARGIN + _ROW_HEIGHT * len(bars) + (_LEGEND if account.legend else 0)
+    """Draw the bars of methods, and apart from them that of what all share."""
+    longest = max(bar.length for bar in bars.values()) or shared.length or 1.0
+    length = account.room * longest
+    height = _MARGIN + _ROW_HEIGHT * (len(bars) + 1.5) + (_LEGEND if account.legend else 0)
     with figures.canvas(figures.WIDTH, height) as figure:
         axes = figure.subplots()
         axes.grid(True, axis="x")
         axes.set_xlim(0, length)
+        last = len(bars) + 0.5
         for row, bar in enumerate(bars.values()):
             _draw(axes, row, bar, length)
-        axes.set_yticks(range(len(bars)), list(bars))
-        axes.set_ylim(len(bars) - 0.4, -0.6)
+        if shared.length > longest:
+            _draw_broken(axes, last, shared, longest)
+        else:
+            _draw(axes, last, shared, length)
+        axes.axhline(len(bars) - 0.25, color=figures.QUIET, linewidth=0.6)
+        axes.set_yticks([*range(len(bars)), last], [*bars, _SHARED_NAME])
+        axes.set_ylim(last + 0.6, -0.6)
         axes.set_xlabel(account.axis)
         # The labels of methods need neither tick marks nor a line.
         axes.tick_params(axis="y", length=0)
         axes.spines["left"].set_visible(False)
-        used = {color for bar in bars.values() for block in bar.blocks for color, _ in block.parts}
+        drawn = (*bars.values(), shared)
+        used = {color for bar in drawn for block in bar.blocks for color, _ in block.parts}
         shown = {name: color for name, color in account.legend.items() if color in used}
         if shown:
             _add_legend(axes, shown)
+        caption = f"{account.caption} {_SHARED_NOTE}"
+        if shared.length > longest:
+            caption += " The break marks a bar that is longer than the axis."
         path = context.out / f"{account.name}-{panel.slug}"
-        return figures.save(figure, path, title=panel.title, caption=account.caption)
+        return figures.save(figure, path, title=panel.title, caption=caption)
 
 
 def _add_legend(axes: Axes, colors: Mapping[str, str]) -> None:
@@ -145,7 +165,7 @@ def _add_legend(axes: Axes, colors: Mapping[str, str]) -> None:
     )
 
 
-def _draw(axes: Axes, row: int, bar: Bar, length: float) -> None:
+def _draw(axes: Axes, row: float, bar: Bar, length: float) -> None:
     """Draw a bar: its blocks in order, separated by white lines, and the total at the end."""
     start = 0.0
     for block in bar.blocks:
@@ -160,12 +180,29 @@ def _draw(axes: Axes, row: int, bar: Bar, length: float) -> None:
     )
 
 
-def _draw_block(axes: Axes, row: int, block: Block, start: float, length: float) -> float:
+def _draw_broken(axes: Axes, row: float, bar: Bar, end: float) -> None:
+    """Draw a bar that is longer than all others up to `end`, with a visible break."""
+    whole, half = Bar((Block("", ((SHARED, end),)),), bar.total), _BAR_HEIGHT / 2 + 0.12
+    _draw(axes, row, whole, end)
+    for left in (0.9, 0.915):
+        axes.plot(
+            [left * end, (left + 0.01) * end],
+            [row + half, row - half],
+            color="white",
+            linewidth=2.5,
+        )
+
+
+def _draw_block(axes: Axes, row: float, block: Block, start: float, length: float) -> float:
     """Draw a block from x = `start`, with its name in its widest part, and return its end."""
     widest = _widest(block.parts)
     for place, (color, value) in enumerate(block.parts):
         axes.barh(row, value, left=start, height=_BAR_HEIGHT, color=color)
-        if place == widest and value > _LETTER_SHARE * length * (len(block.name) + 2):
+        if (
+            block.name
+            and place == widest
+            and value > _LETTER_SHARE * length * (len(block.name) + 2)
+        ):
             axes.text(
                 start + value / 2,
                 row,

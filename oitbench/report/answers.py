@@ -235,7 +235,7 @@ def described(choice: Choice | None) -> str:
     parts = [f"FLIP {price.error:.3f}" if price.error >= 5e-4 else "FLIP below 0.0005"]
     if price.ms is not None and price.cost is not None:
         sign = f" {SIGN}" if price.disturbed else ""
-        parts += [f"{price.ms:.3g} ms{sign}", f"{price.cost:.2g}×"]
+        parts += [f"{price.ms:.3g} ms{sign}", f"{price.cost:.2g}× the fastest"]
     return ", ".join(parts)
 
 

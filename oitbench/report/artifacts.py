@@ -14,6 +14,8 @@ from oitbench.errors import UsageError
 from oitbench.results.table import shielded
 from oitbench.results.times import SIGN
 
+_NOTHING = {"status": (None, "", "ok")}
+"""Values that are no news, by the kind of a column."""
 Value = str | int | float | None
 Row = Sequence[Value]
 
@@ -97,11 +99,14 @@ class Table:
 
     @property
     def visible(self) -> list[int]:
-        """Indices of the columns that have a value; the page omits the others."""
+        """Indices of the columns that have a value; the page omits the others.
+
+        A status that is "ok" says nothing.
+        """
         return [
             place
-            for place in range(len(self.columns))
-            if any(row[place] not in (None, "") for row in self.rows)
+            for place, column in enumerate(self.columns)
+            if any(row[place] not in _NOTHING.get(column.kind, (None, "")) for row in self.rows)
         ]
 
 

@@ -10,8 +10,8 @@ import numpy as np
 
 from oitbench.filenames import file_name
 from oitbench.image.files import Image
+from oitbench.report.error_maps import magma
 from oitbench.report.motion import CHANGE, Footage
-from oitbench.report.plates import magma
 
 if TYPE_CHECKING:
     from PIL.Image import Image as Picture

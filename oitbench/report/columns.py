@@ -17,14 +17,14 @@ DISTURBED = Column(
 )
 TIMES = (
     Column("method_ms", "Method time", "ms", help="median; sort and all passes"),
+    Column("frame_ms", "Frame", "ms", help="median of method time plus shading"),
     Column("method_ms_low", "Low", "ms", help=f"lower end {_END}"),
     Column("method_ms_high", "High", "ms", help=f"upper end {_END}"),
     Column("sort_ms", "Sort", "ms", help="part of the method time, on the CPU; with the upload"),
     Column("shading_ms", "Shading", "ms", help="shadow maps, occlusion and opaque picture; shared"),
-    Column("frame_ms", "Frame", "ms", help="median of method time plus shading"),
     DISTURBED,
 )
-"""Median method time with its interval, its part of the sort, shading, and frame time."""
+"""Median method time and frame time, the interval of the former, its sort, and shading."""
 
 
 RANKING_TRUTH = Column(

@@ -58,8 +58,13 @@ class ReportContext:
 
     @property
     def flip(self) -> str:
-        """Name of the FLIP metric that is shown."""
+        """Key of the FLIP metric that is shown."""
         return metrics.FLIP_HDR if self.hdr else metrics.FLIP_LDR
+
+    @property
+    def flip_name(self) -> str:
+        """Name of that metric for readers."""
+        return "HDR-FLIP" if self.hdr else "FLIP"
 
     def flip_map(self, record: Record, truth: str) -> Image | None:
         """Return the map of that metric against a truth, shape (h, w); None if there is none."""

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from importlib import resources
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from oitbench.report import fonts
 from oitbench.report.artifacts import Figure
+from oitbench.truths import EXACT, FULL, MATCHED
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -21,6 +22,8 @@ DOTS_PER_INCH = 180
 INK = "#222222"
 QUIET = "#6b6b6b"
 _CSS_PIXELS_PER_INCH = 118
+# Marker, fill and size of each truth; those of methods have other forms and colors.
+_TRUTHS = {EXACT: ("o", "none", 7.0), MATCHED: ("o", INK, 4.2), FULL: ("|", INK, 7.5)}
 
 
 @contextmanager
@@ -63,6 +66,28 @@ def save(figure: Canvas, path: Path, *, title: str, caption: str) -> Figure:
     figure.savefig(pdf, metadata={"CreationDate": None})
     width = round(figure.get_figwidth() * _CSS_PIXELS_PER_INCH)
     return Figure(title, caption, png, pdf, width)
+
+
+def share_rows(panels: Sequence[Axes], across: int) -> None:
+    """Give the panels of each row of a grid, `across` panels wide, one vertical scale."""
+    for first in range(0, len(panels), across):
+        row = panels[first : first + across]
+        ends = [axes.get_ylim() for axes in row]
+        for axes in row:
+            axes.set_ylim(min(low for low, _ in ends), max(high for _, high in ends))
+
+
+def truth_mark(truth: str) -> dict[str, Any]:
+    """Return the look of the mark of a truth, as matplotlib names it."""
+    marker, fill, size = _TRUTHS[truth]
+    return {
+        "marker": marker,
+        "color": INK,
+        "markerfacecolor": fill,
+        "markersize": size,
+        "markeredgewidth": 1.5 if marker == "|" else 0.9,
+        "linestyle": "none",
+    }
 
 
 def add_mark(

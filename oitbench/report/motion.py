@@ -17,8 +17,9 @@ from oitbench.motion.metrics import BLOCK
 from oitbench.motion.record import JSON, PER_FRAME, MotionFile, Pop, Track, read
 from oitbench.report import figures, palette, plates
 from oitbench.report.artifacts import Column, Figure, Row, Table, fixed, write_table
+from oitbench.report.error_maps import magma
 from oitbench.report.palette import Style
-from oitbench.report.plates import GAP, MARGIN, display, draw_picture, magma
+from oitbench.report.plates import GAP, MARGIN, display, draw_picture
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

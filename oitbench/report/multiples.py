@@ -3,23 +3,21 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from oitbench.image.ties import Errors
 from oitbench.method.families import FAMILIES
-from oitbench.report import figures, palette
+from oitbench.report import error_axis, figures, fronts, palette
 from oitbench.report.artifacts import Figure
 from oitbench.results.schema import Record
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-    from matplotlib.figure import Figure as Canvas
+    from matplotlib.lines import Line2D
 
-FLOOR = 1e-3
-"""Errors up to this one share a row at the bottom of each panel, below a break of the axis."""
-_FLOOR_ROW = FLOOR / 1.9
 _ACROSS = 5
 _HEIGHT = 1.75
 _LEAST_VALUES = 3
@@ -27,17 +25,17 @@ _LEAST_VALUES = 3
 
 @dataclass(frozen=True)
 class Point:
-    """A method in one scene: the numbers of both axes, and its family."""
+    """A method in one scene: its family, its time or bytes, and its error."""
 
     method: str
     family: str
-    x: float
-    error: float
+    cost: float
+    errors: Errors
 
     @property
     def y(self) -> float:
         """The place on the axis of errors."""
-        return max(self.error, _FLOOR_ROW) if self.error > FLOOR else _FLOOR_ROW
+        return error_axis.place(self.errors.error)
 
 
 @dataclass(frozen=True)
@@ -66,15 +64,6 @@ def sweeps(points: Iterable[tuple[Record, Point]]) -> tuple[tuple[Point, ...], .
     )
 
 
-def front(points: Iterable[Point]) -> list[Point]:
-    """Return the points with no other one to the left of them and as low, from left to right."""
-    kept: list[Point] = []
-    for point in sorted(points, key=lambda point: (point.x, point.y)):
-        if not kept or point.y < kept[-1].y:
-            kept.append(point)
-    return kept
-
-
 def draw(panes: Sequence[Pane], path: Path, *, x: str, title: str, caption: str) -> Figure:
     """Draw a pane for each scene.
 
@@ -88,57 +77,96 @@ def draw(panes: Sequence[Pane], path: Path, *, x: str, title: str, caption: str)
         Label of the horizontal axis, with its unit.
     title, caption : str
     """
+    points = [point for pane in panes for point in pane.points]
+    return small_multiples(
+        [_drawing(pane) for pane in panes],
+        [(point.cost, point.y) for point in points],
+        _handles(points),
+        path,
+        x=x,
+        title=title,
+        caption=caption,
+    )
+
+
+def small_multiples(
+    panes: Sequence[Callable[[Axes], None]],
+    points: Sequence[tuple[float, float]],
+    handles: Sequence[Line2D],
+    path: Path,
+    *,
+    x: str,
+    title: str,
+    caption: str,
+) -> Figure:
+    """Draw panes that share a logarithmic axis of x and the axis of errors.
+
+    Parameters
+    ----------
+    panes : sequence of callable
+        Each draws one pane.
+    points : sequence of (float, float)
+        All that must be inside of the axes.
+    handles : sequence of Line2D
+        Of the legend.
+    path, x, title, caption
+        As in `draw`.
+    """
     down = math.ceil(len(panes) / _ACROSS)
     across = math.ceil(len(panes) / down)
     with figures.canvas(figures.WIDTH, _HEIGHT * down + 0.85) as figure:
         grid = figure.subplots(down, across, sharex=True, sharey=True, squeeze=False).ravel()
-        _set_scales(grid[0], [point for pane in panes for point in pane.points])
-        for axes, pane in zip(grid, panes, strict=False):
-            _draw_pane(axes, pane)
+        _set_scales(grid[0], points)
+        for axes, draw_pane in zip(grid, panes, strict=False):
+            axes.grid(True, axis="both", linewidth=0.4)
+            axes.tick_params(labelsize=6.5)
+            error_axis.draw_break(axes)
+            draw_pane(axes)
         for place in range(len(panes), len(grid)):
             grid[place].set_visible(False)
             grid[place - across].xaxis.set_tick_params(labelbottom=True)
         figure.supxlabel(x, fontsize=8.5)
-        figure.supylabel("FLIP error, lower is better (logarithmic)", fontsize=8.5)
-        _add_legend(figure, panes)
+        figure.supylabel(error_axis.LABEL, fontsize=8.5)
+        figure.legend(
+            handles=handles, loc="outside upper center", ncols=4, fontsize=7.5, frameon=False
+        )
         return figures.save(figure, path, title=title, caption=caption)
 
 
-def _set_scales(axes: Axes, points: Sequence[Point]) -> None:
+def _set_scales(axes: Axes, points: Sequence[tuple[float, float]]) -> None:
     from matplotlib.ticker import LogLocator, NullLocator
 
     axes.set_xscale("log")
-    axes.set_yscale("log")
-    xs = [point.x for point in points]
+    xs = [x for x, _ in points]
     axes.set_xlim(min(xs) / 1.6, max(xs) * 1.6)
     axes.xaxis.set_major_locator(LogLocator(numticks=5))
     axes.xaxis.set_minor_locator(NullLocator())
     axes.xaxis.set_major_formatter("{x:g}")
-    highest = max(point.y for point in points)
-    axes.set_ylim(_FLOOR_ROW / 1.7, max(highest, 10 * FLOOR) * 1.6)
-    ticks = [FLOOR * 10**k for k in range(1 + math.ceil(math.log10(max(highest / FLOOR, 10))))]
-    axes.set_yticks([_FLOOR_ROW, *ticks], [f"≤ {FLOOR:g}", "", *(f"{t:g}" for t in ticks[1:])])
-    axes.yaxis.set_minor_locator(NullLocator())
+    error_axis.set_scale(axes, max(y for _, y in points))
+
+
+def _drawing(pane: Pane) -> Callable[[Axes], None]:
+    return lambda axes: _draw_pane(axes, pane)
 
 
 def _draw_pane(axes: Axes, pane: Pane) -> None:
-    axes.grid(True, axis="both", linewidth=0.4)
-    axes.axhline(FLOOR, color=figures.QUIET, linewidth=0.7, linestyle=(0, (1, 2)))
-    best = front(pane.points)
-    xs, ys = [best[0].x], [axes.get_ylim()[1]]
+    best = fronts.front(pane.points)
+    xs, ys = [best[0].cost], [axes.get_ylim()[1]]
     for point in best:
-        xs += [point.x] * 2
+        xs += [point.cost] * 2
         ys += [ys[-1], point.y]
     axes.plot(
         [*xs, axes.get_xlim()[1]], [*ys, ys[-1]], color=figures.QUIET, linewidth=0.9, zorder=1.5
     )
     for curve in pane.sweeps:
         color, _ = palette.family_look(curve[0].family)
-        axes.plot([p.x for p in curve], [p.y for p in curve], color=color, linewidth=0.9, zorder=2)
+        axes.plot(
+            [p.cost for p in curve], [p.y for p in curve], color=color, linewidth=0.9, zorder=2
+        )
     for point in pane.points:
         color, marker = palette.family_look(point.family)
         axes.plot(
-            point.x,
+            point.cost,
             point.y,
             marker=marker,
             markersize=6 if marker == "*" else 4.2,
@@ -149,13 +177,12 @@ def _draw_pane(axes: Axes, pane: Pane) -> None:
             zorder=4 if point in best else 3,
         )
     axes.set_title(f"{pane.title}\n{pane.truth}", fontsize=7, pad=3)
-    axes.tick_params(labelsize=6.5)
 
 
-def _add_legend(figure: Canvas, panes: Sequence[Pane]) -> None:
+def _handles(points: Iterable[Point]) -> list[Line2D]:
     from matplotlib.lines import Line2D
 
-    used = {point.family for pane in panes for point in pane.points}
+    used = {point.family for point in points}
     handles = []
     for family, words in FAMILIES.items():
         if family in used:
@@ -163,5 +190,4 @@ def _add_legend(figure: Canvas, panes: Sequence[Pane]) -> None:
             handles.append(
                 Line2D([], [], color=color, marker=marker, linestyle="none", label=words)
             )
-    handles.append(Line2D([], [], color=figures.QUIET, linewidth=0.9, label="Pareto front"))
-    figure.legend(handles=handles, loc="outside upper center", ncols=4, fontsize=7.5, frameon=False)
+    return [*handles, Line2D([], [], color=figures.QUIET, linewidth=0.9, label="Pareto front")]

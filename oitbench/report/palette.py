@@ -9,11 +9,14 @@ from dataclasses import dataclass
 from oitbench.method.families import BLENDING, CURVES, EXACT, LISTS, OTHER, RANDOM, SORTING
 from oitbench.parameters import natural
 
-# Okabe & Ito (2008) without black, and without yellow, which is illegible on white paper.
-_HUES = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
-# The same hues mixed with black, then with white. Color-blind readers distinguish the lightness.
-_MIXTURES = (("#000000", 0.0), ("#000000", 0.45), ("#FFFFFF", 0.5), ("#000000", 0.7))
-# Color and marker of each family of methods.
+# Hues of what is no method, none of them that of a family: indigo, olive, violet, wine, brown.
+_HUES = ("#332288", "#A3A13A", "#A48FD0", "#882255", "#8C5A2B")
+# The same hues mixed with white, then with black. Color-blind readers distinguish the lightness.
+_MIXTURES = (("#000000", 0.0), ("#FFFFFF", 0.55), ("#000000", 0.5), ("#FFFFFF", 0.78))
+# Mixtures of the color of a family, for its curves in one plot.
+_TINTS = (("#000000", 0.0), ("#000000", 0.5), ("#FFFFFF", 0.45), ("#000000", 0.75))
+# Color and marker of each family of methods: Okabe & Ito (2008) without black, and without yellow,
+# which is illegible on white paper.
 _LOOKS: Mapping[str, tuple[str, str]] = {
     BLENDING: ("#0072B2", "o"),
     SORTING: ("#E69F00", "s"),
@@ -55,9 +58,9 @@ def is_dark(color: str) -> bool:
     return _luma(color) < _WHITE_TEXT_BELOW
 
 
-def colors(names: Iterable[str]) -> dict[str, str]:
-    """Return a color for each name, by its place in alphabetical order; 24 are distinct."""
-    return {name: _color(place) for place, name in enumerate(sorted(set(names)))}
+def categories(names: Iterable[str]) -> dict[str, str]:
+    """Return a color for each name of what is no method, by its place; 20 are distinct."""
+    return {name: _color(place) for place, name in enumerate(names)}
 
 
 def family_look(family: str) -> tuple[str, str]:
@@ -82,6 +85,18 @@ def styles(methods: Mapping[str, str], families: Mapping[str, str]) -> dict[str,
         family = families.get(methods[label], OTHER)
         found[label] = Style(*family_look(family), _LINES[seen[family] % len(_LINES)])
         seen[family] += 1
+    return found
+
+
+def tinted(styles: Iterable[Style]) -> list[Style]:
+    """Return the styles of curves in one plot: those of one family differ in lightness."""
+    found: list[Style] = []
+    seen: Counter[str] = Counter()
+    for style in styles:
+        other, share = _TINTS[seen[style.color] % len(_TINTS)]
+        line = _LINES[seen[style.color] // len(_TINTS) % len(_LINES)]
+        found.append(Style(mix(style.color, other, share), style.marker, line))
+        seen[style.color] += 1
     return found
 
 

@@ -17,6 +17,7 @@ from oitbench.image.files import Image
 from oitbench.report import figures
 from oitbench.report.artifacts import Figure, ImageGrid, Tile, decimal, fixed
 from oitbench.report.context import ReportContext
+from oitbench.report.error_maps import MapScale
 from oitbench.results.pictures import PICTURE, compared
 from oitbench.results.ranking import largest_noise_floor, truth_label
 from oitbench.results.records import Panel
@@ -100,6 +101,7 @@ def show_cell(
     folder: Path | None,
     *,
     values: tuple[str, ...],
+    scale: MapScale,
     label: str = "",
 ) -> Shown:
     """Return the tile of a cell, after writing its picture and its FLIP map.
@@ -114,6 +116,8 @@ def show_cell(
         Default: nothing is written.
     values : tuple of str
         Lines below the pictures.
+    scale : MapScale
+        Of the map.
     label : str
         Heading. Default: the label of the method.
     """
@@ -121,7 +125,8 @@ def show_cell(
     fault = context.results.fault(cell, picture)
     tile = Tile(label or cell.method, None, None, values, fault or note(cell))
     image, errors = context.results.image(cell, picture), context.flip_map(cell, truth)
-    return _write(tile, image, errors, exposure([cell]), folder)
+    colored = None if errors is None else scale.colored(errors)
+    return _write(tile, image, colored, exposure([cell]), folder)
 
 
 def error_text(context: ReportContext, cell: Record, truth: str, name: str = "") -> tuple[str, ...]:
@@ -148,12 +153,12 @@ def why_no_truth(context: ReportContext, cells: Sequence[Record], truth: str) ->
 
 
 def _write(
-    tile: Tile, image: Image | None, errors: Image | None, stops: float, folder: Path | None
+    tile: Tile, image: Image | None, colored: Image | None, stops: float, folder: Path | None
 ) -> Shown:
     """Write the PNG files of a tile to a folder, if any, and return it with their paths."""
     if image is None:
         return Shown(tile, None, None, None)
-    picture, colored = display(image, stops), None if errors is None else magma(errors)
+    picture = display(image, stops)
     if folder is None:
         return Shown(tile, picture, colored, image)
     stem = file_name(tile.label)
@@ -165,25 +170,18 @@ def _write(
     return Shown(written, picture, colored, image)
 
 
-def magma(errors: Image) -> Image:
-    """Return the colors of errors in [0, 1], shape (h, w): black to pale yellow."""
-    import matplotlib
-
-    colors: Image = matplotlib.colormaps["magma"](np.clip(errors, 0, 1))[..., :3].astype(np.float32)
-    return colors
-
-
 def grid(
     context: ReportContext,
     panel: Panel,
     shown: Sequence[Shown],
     path: Path,
     *,
+    scale: MapScale,
     title: str,
     caption: str,
 ) -> ImageGrid:
     """Return the tiles for the page, and the same as one figure."""
-    figure = draw(context, panel, shown, path, title=title, caption=caption)
+    figure = draw(context, panel, shown, path, scale=scale, title=title, caption=caption)
     return ImageGrid(tuple(item.tile for item in shown), figure)
 
 
@@ -193,6 +191,7 @@ def draw(
     shown: Sequence[Shown],
     path: Path,
     *,
+    scale: MapScale,
     title: str,
     caption: str,
 ) -> Figure:
@@ -201,7 +200,7 @@ def draw(
     with figures.canvas(layout.width, layout.height, by_hand=True) as canvas:
         for place, tile in enumerate(shown):
             _draw_tile(canvas, layout, place, tile)
-        _draw_scale(canvas, layout, context.flip)
+        _draw_scale(canvas, layout, context.flip_name, scale)
         return figures.save(canvas, path, title=title, caption=caption)
 
 
@@ -346,7 +345,7 @@ def _heading(label: str) -> str:
     return "\n".join([name[:_LABEL_WIDTH], bracket + parameters])
 
 
-def _draw_scale(canvas: Canvas, layout: _Layout, name: str) -> None:
+def _draw_scale(canvas: Canvas, layout: _Layout, name: str, scale: MapScale) -> None:
     """Draw the scale of the error maps at the right edge, beside the first row."""
     left = layout.width - MARGIN - _SCALE + 0.06
     height = 2 * layout.picture_height + GAP / 2
@@ -355,5 +354,6 @@ def _draw_scale(canvas: Canvas, layout: _Layout, name: str) -> None:
     axes.imshow(ramp, cmap="magma", vmin=0, vmax=1, aspect="auto", extent=(0, 1, 0, 1))
     axes.set_xticks([])
     axes.yaxis.tick_right()
-    axes.set_yticks([0, 0.5, 1], ["0", "0.5", "1"])
-    axes.set_title(name.replace("@", "\n@"), fontsize=7, fontweight="normal", pad=8)
+    axes.set_yticks([*scale.ticks], [*scale.ticks.values()])
+    axes.tick_params(labelsize=6.5, length=2)
+    axes.set_title(name, fontsize=7, fontweight="normal", pad=8)

@@ -38,6 +38,8 @@ class Section:
         Scripts with the pixels of its stacks, by their names.
     figures : tuple of Path
         Files of its figures: PNG, then PDF, of each.
+    absent : str
+        Why these results have nothing to show; then it has no body.
     error : str
         Why the section could not be built, in one line; then it has no body.
     """
@@ -50,6 +52,7 @@ class Section:
     faults: tuple[str, ...] = ()
     pixels: Mapping[str, Path] = field(default_factory=dict)
     figures: tuple[Path, ...] = ()
+    absent: str = ""
     error: str = ""
 
 
@@ -112,5 +115,5 @@ def _build(worker: Process, name: str, path: Path, timeout: float | None) -> Sec
     faults = tuple(built.faults)
     return Section(
         name, built.title, built.doc, built.order, built.body, faults, built.pixels,
-        tuple(built.figures),
+        tuple(built.figures), built.absent,
     )  # fmt: skip

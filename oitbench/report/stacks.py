@@ -11,6 +11,7 @@ import numpy as np
 from oitbench.report import pixels, plates, previews
 from oitbench.report.artifacts import Layer, Stack
 from oitbench.report.context import ReportContext
+from oitbench.report.error_maps import MapScale, scale_of
 from oitbench.report.pixels import Codes
 from oitbench.report.plates import Shown
 from oitbench.results.records import Panel
@@ -42,7 +43,8 @@ def stack(context: ReportContext, panel: Panel, *, caption: str, characters: int
         None if there is no picture yet.
     """
     owners: list[_Owner] = [*TRUTHS, *panel.cells]
-    shown = [_show(context, panel, owner) for owner in owners]
+    scale = scale_of(panel.finished, panel.truth, context.flip)
+    shown = [_show(context, panel, owner, scale) for owner in owners]
     if all(item.image is None for item in shown):
         return None
     script = context.out / FOLDER / f"{panel.slug}.js"
@@ -64,7 +66,15 @@ def stack(context: ReportContext, panel: Panel, *, caption: str, characters: int
         panel.size,
         context.crops_of(panel),
         script,
-        plates.draw(context, panel, shown, path, title=panel.title, caption=caption),
+        plates.draw(
+            context,
+            panel,
+            shown,
+            path,
+            scale=scale,
+            title=panel.title,
+            caption=f"{caption} Maps: {scale.words}.",
+        ),
     )
 
 
@@ -115,11 +125,11 @@ def color_maps() -> dict[str, str]:
     }
 
 
-def _show(context: ReportContext, panel: Panel, owner: _Owner) -> Shown:
+def _show(context: ReportContext, panel: Panel, owner: _Owner, scale: MapScale) -> Shown:
     if isinstance(owner, str):
         return plates.show_truth(context, panel, owner, None)
     values = tuple(text for truth in TRUTHS for text in plates.error_text(context, owner, truth))
-    return plates.show_cell(context, owner, panel.truth, None, values=values)
+    return plates.show_cell(context, owner, panel.truth, None, values=values, scale=scale)
 
 
 def _codes(context: ReportContext, owner: _Owner, shown: Shown) -> dict[str, Codes]:

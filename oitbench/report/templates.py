@@ -27,6 +27,37 @@ from oitbench.report.palette import is_dark
 
 if TYPE_CHECKING:
     from jinja2 import Environment
+    from markupsafe import Markup
+
+_WIDE, _MIDDLE, _NARROW = (7, 6, 8, 5), (4, 5, 3), (2, 3)
+"""Columns of a grid that screens of three widths have room for."""
+
+
+def _code(text: str) -> Markup:
+    """Return an escaped text whose parts between backticks are code."""
+    from markupsafe import Markup, escape
+
+    parts = str(text).split("`")
+    if len(parts) % 2 == 0:
+        return escape(text)
+    marked = [
+        Markup("<code>{}</code>").format(p) if k % 2 else escape(p) for k, p in enumerate(parts)
+    ]
+    return Markup("").join(marked)
+
+
+def _across(count: int) -> str:
+    """Return the columns of a grid of tiles, such that no tile is alone in the last row."""
+
+    def columns(choices: tuple[int, ...]) -> int:
+        def gaps(across: int) -> tuple[bool, int, int]:
+            rows = -(-count // across)
+            return rows > 1 and count % across == 1, rows, rows * across - count
+
+        return min(choices, key=gaps) if count > 1 else choices[0]
+
+    names = zip(("wide", "middle", "narrow"), (_WIDE, _MIDDLE, _NARROW), strict=True)
+    return ";".join(f"--{name}:{columns(choices)}" for name, choices in names)
 
 
 def environment(context: ReportContext, folder: Path | None = None) -> Environment:
@@ -63,6 +94,8 @@ def environment(context: ReportContext, folder: Path | None = None) -> Environme
     made.filters["anchor"] = anchor
     made.filters["tex"] = latex.path
     made.globals["address"] = address
+    made.filters["code"] = _code
+    made.filters["across"] = _across
     made.globals["style"] = context.style
     made.globals["is_dark"] = is_dark
     made.globals["citation"], made.globals["section"] = context.citation, ""

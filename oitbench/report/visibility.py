@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
+from oitbench.method.families import SORTING
 from oitbench.report import palette
 from oitbench.report.artifacts import Figure, write_csv, writing_to
 from oitbench.report.figures import QUIET, canvas, save
@@ -26,6 +27,9 @@ NAME = "visibility"
 _COLUMNS = 4
 _PANEL = (2.45, 1.8)
 _HIGHEST = 1.6
+_CHANGE = 1e-3
+"""A smaller step of visibility is not seen in the figure."""
+_SORTED = "each fragment is sorted here;\na picture sorts its draws"
 _EXACT_COLOR = "#444444"
 _HEADING = (
     "method",
@@ -117,11 +121,13 @@ def _draw(curves: Curves, path: Path) -> Figure:
         for axes in grid[len(panels) :]:
             axes.set_visible(False)
         grid[0].set_ylim(0, _top(curves.methods.values()))
+        grid[0].set_xlim(*extent(curves))
         figure.supxlabel("view distance, m", fontsize=8)
         figure.supylabel("visibility, mean of the channels", fontsize=8)
         where = f"pixel {curves.pixel[0]}, {curves.pixel[1]} of {curves.size[0]} × {curves.size[1]}"
         count = len(curves.fragments.z)
-        title = f"{curves.scene}, {where}, {count} fragments; gray: exact compositing"
+        last = f"{curves.fragments.z[-1, 0, 0]:.3g} m"
+        title = f"{curves.scene}, {where}, {count} fragments up to {last}; gray: exact compositing"
         figure.suptitle(title, fontsize=8, color=QUIET)
         return save(figure, path, title="Visibility", caption=title)
 
@@ -144,8 +150,33 @@ def _draw_panel(
         axes.step(
             *drawn, where="pre", color=style.color, linestyle=style.line, linewidth=1.2, label=label
         )
+    if curves.families.get(curves.names[labels[0]]) == SORTING:
+        axes.text(
+            0.03, 0.04, _SORTED, transform=axes.transAxes, fontsize=5.5, color=QUIET,
+            verticalalignment="bottom",
+        )  # fmt: skip
     if len(labels) > 1:
         axes.legend(fontsize=5.5, frameon=False, loc="upper right")
+
+
+def extent(curves: Curves) -> tuple[float, float]:
+    """Return the view distances between which a curve changes, with a margin.
+
+    A last fragment far behind would squeeze all that is to be seen.
+    """
+    z = curves.fragments.z[:, 0, 0].astype(np.float64)
+    changed = np.zeros(len(z), dtype=np.bool_)
+    for values in _all(curves).values():
+        mean = values.mean(axis=1)
+        # A fragment that covers nothing has no value; its light is that behind it.
+        last = len(mean) - 1
+        places = np.where(np.isfinite(mean), np.arange(len(mean)), last)
+        known = np.minimum.accumulate(places[::-1])[::-1]
+        changed |= np.abs(np.diff(mean[known])) > _CHANGE
+    changes = np.flatnonzero(changed)
+    end = z[changes[-1]] if len(changes) else z[-1]
+    margin = max(0.06 * (end - z[0]), 1e-3 * end)
+    return float(z[0] - margin), float(end + margin)
 
 
 def steps(z: Floats, values: Floats) -> tuple[Floats, Floats]:

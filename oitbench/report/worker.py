@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
 
 from msgspec import Struct
@@ -13,7 +13,7 @@ from oitbench.errors import DeclarationError, OitbenchError, locate, printable
 from oitbench.places import Places
 from oitbench.plugins import Collection
 from oitbench.report import latex
-from oitbench.report.artifacts import Artifact, Figure, ImageGrid, Stack, writing_to
+from oitbench.report.artifacts import Artifact, Figure, ImageGrid, Note, Stack, writing_to
 from oitbench.report.context import ReportContext
 from oitbench.report.templates import environment
 from oitbench.results.records import Results
@@ -49,6 +49,7 @@ class BuildSection(Struct, frozen=True, tag=True):
 class SectionBuilt(Struct, frozen=True, tag=True):
     """The section: `body` is HTML, and sections are sorted by `order`.
 
+    A section without a body has nothing to show, and `absent` says why.
     `faults` says in one line each which images could not be read so far, `pixels` are the scripts
     of its stacks by their names, and `figures` the PNG and the PDF file of each figure.
     """
@@ -60,6 +61,7 @@ class SectionBuilt(Struct, frozen=True, tag=True):
     faults: list[str]
     pixels: dict[str, Path]
     figures: list[Path]
+    absent: str
 
 
 def _begin(settings: Settings, on_step: OnStep) -> Callable[[BuildSection], SectionBuilt]:
@@ -88,8 +90,13 @@ def _begin(settings: Settings, on_step: OnStep) -> Callable[[BuildSection], Sect
             with writing_to(context.out):
                 artifacts = list(module.build(context))
                 latex.write_all(artifacts)
-                body = template.render(
-                    artifacts=artifacts, section=request.name, heading=module.title
+                absent = _absent(artifacts)
+                body = (
+                    ""
+                    if absent
+                    else template.render(
+                        artifacts=artifacts, section=request.name, heading=module.title
+                    )
                 )
             return SectionBuilt(
                 printable(str(module.title)),
@@ -100,6 +107,7 @@ def _begin(settings: Settings, on_step: OnStep) -> Callable[[BuildSection], Sect
                 list(map(printable, results.faults)),
                 {item.name: item.pixels for item in artifacts if isinstance(item, Stack)},
                 list(_files(artifacts)),
+                printable(absent),
             )
         except OitbenchError:
             raise
@@ -114,6 +122,14 @@ def _files(artifacts: Iterable[Artifact]) -> Iterator[Path]:
         figure = item.figure if isinstance(item, ImageGrid | Stack) else item
         if isinstance(figure, Figure):
             yield from (figure.png, figure.pdf)
+
+
+def _absent(artifacts: Sequence[Artifact]) -> str:
+    """Return why a section would be empty: it has no artifacts, or notes alone."""
+    notes = [item.text for item in artifacts if isinstance(item, Note)]
+    if len(notes) < len(artifacts):
+        return ""
+    return " ".join(dict.fromkeys(notes)) or "There is nothing to show yet."
 
 
 def main() -> None:

@@ -12,7 +12,6 @@ from oitbench.results.times import Interval, Time
 from oitbench.truths import EXACT, TRACED, TRUTHS
 
 MEBIBYTE = 2**20
-MEGABYTE = 10**6
 _FORMULA = ("=", "+", "-", "−", "@")
 _EXACT_ONLY = (metrics.TRANSMITTANCE, metrics.ORDER_SPREAD_MAX, metrics.ORDER_SPREAD_MEAN)
 PARAMETERS = ("scene.", "method.")
@@ -49,7 +48,7 @@ def flat(record: Record) -> dict[str, Any]:
         **flat_times(record.time),
         "memory_mib": outcome.memory.bytes / MEBIBYTE if outcome else None,
         "bits_per_pixel": outcome.memory.bits_per_pixel if outcome else None,
-        "traffic_mb": outcome.traffic.bytes / MEGABYTE if outcome else None,
+        "traffic_mib": outcome.traffic.bytes / MEBIBYTE if outcome else None,
         **flat_statistics(outcome.statistics if outcome else None),
         "missing_effects": ", ".join(record.missing_effects),
         "unstable_pixels": outcome.nonfinite.total if outcome else 0,

@@ -13,7 +13,7 @@ from oitbench.gl.probe import probe
 from oitbench.gl.uploaded_scene import UploadedScene
 from oitbench.measure import visibility
 from oitbench.measure.oracle import composite
-from oitbench.report.visibility import write
+from oitbench.report.visibility import extent, write
 from oitbench.scene import Camera, FragmentLists
 from oitbench.stability.layers import BLUE, GREEN, RED, Layer, stack
 from tests.helpers import collection, method, opened, random_lists, scene_of
@@ -98,6 +98,16 @@ def test_curves_of_random_methods_are_averaged(device: Device) -> None:
     found, noise = visibility.method_curve(device, chosen, fragments, CAMERA)
     assert (noise[1] > 0).all()
     assert abs(found[1] - 0.5).max() < 5 * noise[1].max()
+
+
+@pytest.mark.parametrize("coverage", [1e-6, 0.0])
+def test_the_axis_ends_at_the_last_change(coverage: float) -> None:
+    fragments = one_pixel(Layer(1, 0.5), Layer(2, 0.5), Layer(1000, coverage))
+    curve = visibility.exact_curve(fragments)
+    curves = visibility.Curves("s", (0, 0), (1, 1), fragments, curve, {}, {}, {}, {}, {})
+    first, last = extent(curves)
+    assert first < 1
+    assert 2 < last < 3
 
 
 def test_a_folder_that_cannot_be_written_to_is_refused(tmp_path: Path) -> None:

@@ -186,7 +186,7 @@ def with_effects(
 
 def shading(count: int) -> SharedShading:
     """Return accounts of shadow maps with that many bytes of memory."""
-    return SharedShading(Memory(count, 0.0, []), Traffic(0, []))
+    return SharedShading(Memory(count, 0.0, [MemoryTerm("shadow maps", count)]), Traffic(0, []))
 
 
 def store(folder: Path, *records: Record) -> Path:

@@ -9,11 +9,12 @@ import msgspec
 import pytest
 
 from oitbench.image import metrics
+from oitbench.image.ties import Errors
 from oitbench.plugins import Collection
 from oitbench.report import ReportContext, answers, multiples
 from oitbench.report.answers import ELSEWHERE, Answer
 from oitbench.report.artifacts import Choices, HeatTable, Statement
-from oitbench.report.multiples import FLOOR, Point
+from oitbench.report.multiples import Point
 from oitbench.results.records import Panel
 from oitbench.results.schema import EffectNames, Record, Scores
 from oitbench.truths import EXACT
@@ -62,7 +63,7 @@ def test_each_criterion_chooses_its_method(tmp_path: Path) -> None:
     names = [answer.least, answer.cheap, answer.near, answer.fastest]
     assert [one.price.method if one else None for one in names] == ["slow", "cheap", "near", "fast"]
     assert answer.least.price.cost == pytest.approx(8.0)
-    assert answers.described(answer.least) == "FLIP 0.020, 80 ms, 8×"
+    assert answers.described(answer.least) == "FLIP 0.020, 80 ms, 8× the fastest"
 
 
 def test_of_methods_that_tie_the_fastest_is_chosen(tmp_path: Path) -> None:
@@ -140,19 +141,11 @@ def test_sentences_count_scenes_and_name_effects_that_few_methods_show(tmp_path:
     assert said[-1] == "Only rich shows diffusion."
 
 
-def test_a_front_has_no_point_that_another_beats() -> None:
-    points = [Point(name, "lists", x, e) for name, x, e in (
-        ("a", 1.0, 0.5), ("b", 2.0, 0.6), ("c", 3.0, 0.1), ("d", 4.0, FLOOR / 2), ("e", 5.0, 0.0),
-    )]  # fmt: skip
-    # Errors on the lowest row are equal.
-    assert [point.method for point in multiples.front(points)] == ["a", "c", "d"]
-
-
 def test_sweeps_join_three_values_of_one_parameter_in_their_order() -> None:
     pairs = []
     for n, k in ((8, 1), (2, 1), (4, 1), (4, 2)):
         made = cell("a", f"m[n={n},k={k}]", 0.1, 1.0, values={"n": n, "k": k})
-        pairs.append((made, Point(f"{n} {k}", "lists", n, 0.1)))
+        pairs.append((made, Point(f"{n} {k}", "lists", n, Errors(0.1))))
     (curve,) = multiples.sweeps(pairs)
     assert [point.method for point in curve] == ["2 1", "4 1", "8 1"]
 
@@ -166,7 +159,7 @@ def test_the_section_has_an_answer_two_figures_and_all_errors(tmp_path: Path) ->
     shown: ReportContext = context(tmp_path, cells, tmp_path)
     parts = Collection.load().reports["answer"].build(shown)
     assert [type(part) for part in parts if not hasattr(part, "png")] == [
-        Statement, Choices, HeatTable,
+        Choices, Statement, HeatTable,
     ]  # fmt: skip
     heat = parts[-1]
     assert isinstance(heat, HeatTable)

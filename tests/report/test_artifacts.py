@@ -31,6 +31,15 @@ def test_tables_hide_empty_columns_and_keep_them_in_the_file(tmp_path: Path) -> 
     assert pd.read_csv(table.csv).columns.tolist() == ["e", "x"]
 
 
+def test_a_status_that_says_nothing_is_hidden(tmp_path: Path) -> None:
+    columns = (Column("status", "Status", kind="status"),)
+    for statuses, visible in ((["ok", "ok"], []), (["ok", "failed"], [0])):
+        rows = [(status,) for status in statuses]
+        table = write_table(tmp_path / "t.csv", columns, rows, title="", caption="")
+        assert table.visible == visible
+        assert pd.read_csv(table.csv)["status"].tolist() == statuses
+
+
 def test_a_folder_that_cannot_be_written_to_is_named(tmp_path: Path) -> None:
     file = tmp_path / "file"
     file.touch()

@@ -23,12 +23,20 @@ def test_a_family_has_one_color_and_marker_and_lines_differ() -> None:
     assert len({glow.line, wide.line, haze.line}) == 3
 
 
-def test_24_names_have_distinct_colors() -> None:
-    assert len(set(palette.colors(f"m{place:02d}" for place in range(24)).values())) == 24
+def test_20_names_have_distinct_colors() -> None:
+    assert len(set(palette.categories(f"m{place:02d}" for place in range(20)).values())) == 20
 
 
 def test_text_is_legible() -> None:
-    for color in palette.colors(f"m{place:02d}" for place in range(24)).values():
+    for color in palette.categories(f"m{place:02d}" for place in range(20)).values():
         assert palette.is_dark(palette.ink(color))
     assert palette.mix("#000000", "#ffffff", 0.0) == "#000000"
     assert palette.mix("#000000", "#ffffff", 1.0) == "#ffffff"
+
+
+def test_curves_of_one_family_differ_in_one_plot() -> None:
+    color, marker = palette.family_look(CURVES)
+    found = palette.tinted([palette.Style(color, marker, "-")] * 12)
+    assert len({(style.color, style.line) for style in found}) == 12
+    assert {style.marker for style in found} == {marker}
+    assert found[0].color == color.lower()

@@ -2,23 +2,45 @@
 
 from __future__ import annotations
 
+from oitbench.image.ties import PARTS, Errors
 from oitbench.plugins import Collection
+from oitbench.report import fronts
+from oitbench.report.error_axis import FLOOR
+from oitbench.report.multiples import Point
 from tests.made_up import timed
 
 PARETO = Collection.load().reports["pareto"]
 
 
+def names(*points: tuple[str, float, Errors]) -> list[str]:
+    made = [Point(method, "lists", cost, errors) for method, cost, errors in points]
+    return [point.method for point in fronts.front(made)]
+
+
 def test_the_front_holds_the_points_that_none_beats() -> None:
-    points = [
-        PARETO.Point(method, timed(ms), error)
-        for method, ms, error in (
-            ("slow", 9.0, 0.0), ("fast", 1.0, 0.5), ("beaten", 2.0, 0.6), ("same", 9.5, 0.0)
-        )
+    assert names(
+        ("slow", 9.0, Errors(0.0)), ("fast", 1.0, Errors(0.5)), ("beaten", 2.0, Errors(0.6)),
+        ("same", 9.5, Errors(0.0)),
+    ) == ["fast", "slow"]  # fmt: skip
+
+
+def test_errors_that_share_the_last_place_of_the_axis_are_equal() -> None:
+    assert names(
+        ("a", 1.0, Errors(0.5)), ("b", 2.0, Errors(FLOOR / 2)), ("c", 3.0, Errors(0.0))
+    ) == ["a", "b"]
+
+
+def test_a_point_that_ties_with_a_cheaper_one_is_not_on_the_front() -> None:
+    noise = [0.02 * (-1) ** k for k in range(PARTS)]
+    cheap = Errors(0.3, [0.3] * PARTS)
+    tied = Errors(0.29, [0.29 + swing for swing in noise])
+    clear = Errors(0.1, [0.1 + swing for swing in noise])
+    assert names(("cheap", 1.0, cheap), ("tied", 2.0, tied), ("clear", 3.0, clear)) == [
+        "cheap", "clear",
     ]  # fmt: skip
-    assert [point.method for point in PARETO.front(points)] == ["fast", "slow"]
 
 
 def test_the_axis_is_method_time_and_shading_does_not_count() -> None:
-    point = PARETO.Point("one", timed(4.0), 0.5)
+    point = PARETO.Point("one", timed(4.0), Errors(0.5))
     assert point.times.frame_ms.median == 5.0
     assert point.place == (4.0, 0.5)

@@ -7,8 +7,9 @@ from pathlib import Path
 import msgspec
 import numpy as np
 
-from oitbench.image import files, stored
+from oitbench.image import files, metrics, stored
 from oitbench.report import plates
+from oitbench.report.error_maps import MapScale, scale_of
 from oitbench.results.pictures import REDUCED
 from oitbench.results.store import IMAGES
 from oitbench.truths import EXACT, MATCHED
@@ -31,9 +32,25 @@ def test_a_traced_truth_is_beside_the_picture_of_its_size(tmp_path: Path) -> Non
     sizes = {}
     for truth in (EXACT, MATCHED):
         traced = plates.show_truth(shown, panel, truth, tmp_path)
-        tile = plates.show_cell(shown, cell, truth, tmp_path, values=())
+        tile = plates.show_cell(shown, cell, truth, tmp_path, values=(), scale=MapScale())
         assert traced.picture is not None
         assert tile.picture is not None
         sizes[truth] = traced.picture.shape[0], tile.picture.shape[0]
         assert (f"{half} × {half}" in traced.tile.values) == (truth == MATCHED)
     assert sizes == {EXACT: (SIDE, SIDE), MATCHED: (half, half)}
+
+
+def test_maps_of_small_errors_are_not_black(tmp_path: Path) -> None:
+    cells = [finished(tmp_path, "panes", "murk", error) for error in (0.002, 0.004)]
+    scale = scale_of(cells, EXACT, metrics.FLIP_LDR)
+    largest = max(cell.metric(EXACT, metrics.FLIP_LDR) or 0.0 for cell in cells)
+    assert largest <= scale.top <= 10 * largest
+    assert scale.colored(np.full((1, 1), largest, np.float32)).max() > 0.4
+    assert f"to {scale.top:g} or more" in scale.words
+
+
+def test_the_scale_of_large_errors_ends_at_one(tmp_path: Path) -> None:
+    scale = scale_of([finished(tmp_path, "panes", "murk", 0.9)], EXACT, metrics.FLIP_LDR)
+    assert scale.top == 1.0
+    assert [*scale.ticks.values()] == ["0", "0.0625", "0.25", "0.5625", "1"]
+    assert "or more" not in scale.words

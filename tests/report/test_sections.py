@@ -8,14 +8,22 @@ from oitbench.report.sections import Section, build_sections
 from tests.report.made_up import context, finished, store
 
 GOOD = '''"""All of it."""
-from oitbench.report import Note
+from oitbench.report.artifacts import Statement
 title = "Mine & yours"
 order = {order}
 
 
 def build(context):
-    return [Note(f"<i>{{len(context.results.records)}}</i>")]
+    return [Statement((f"<i>{{len(context.results.records)}}</i>",))]
 '''
+EMPTY = """
+from oitbench.report import Note
+title = "Empty"
+
+
+def build(context):
+    return [Note("run `more`"), Note("run `more`")]
+"""
 FAULTS = {
     "raises": ("return 1 / 0", "raises.py:5: ZeroDivisionError: division by zero"),
     "quits": ("raise SystemExit(3)", "quits.py:5: SystemExit: 3"),
@@ -39,7 +47,7 @@ ON_LOADING = {
 def sections(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Section]:
     """The sections of reports with each fault, and of good ones before, between and after."""
     folder = tmp_path_factory.mktemp("reports")
-    texts = {"after": GOOD.format(order=2), "a_first": GOOD.format(order=-1)}
+    texts = {"after": GOOD.format(order=2), "a_first": GOOD.format(order=-1), "empty": EMPTY}
     for name, (text, _) in FAULTS.items():
         texts[name] = f'"""No."""\ntitle = "No"\n\ndef build(context):\n    {text}\n'
         texts[f"{name}_later"] = GOOD.format(order=1)
@@ -66,8 +74,12 @@ def test_a_faulty_report_costs_its_section(sections: dict[str, Section], name: s
 def test_sections_beside_faulty_ones_are_built_in_their_order(
     sections: dict[str, Section],
 ) -> None:
-    built = [name for name, section in sections.items() if not section.error]
+    built = [name for name, section in sections.items() if section.body]
     assert built == ["a_first", *sorted(f"{name}_later" for name in FAULTS), "after"]
     for name in built:
         assert "&lt;i&gt;1&lt;/i&gt;" in sections[name].body
         assert (sections[name].title, sections[name].doc) == ("Mine & yours", "All of it.")
+
+
+def test_a_section_of_notes_alone_is_no_section(sections: dict[str, Section]) -> None:
+    assert (sections["empty"].body, sections["empty"].absent) == ("", "run `more`")

@@ -1,0 +1,28 @@
+"""Filters of the page's templates."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+from oitbench.report.templates import environment
+from tests.report.made_up import context
+
+
+def test_code_is_marked_and_all_else_escaped(tmp_path: Path) -> None:
+    code = environment(context(tmp_path, [], tmp_path)).filters["code"]
+    assert code("run `a <b>` & <i>") == "run <code>a &lt;b&gt;</code> &amp; &lt;i&gt;"
+    # An odd backtick marks nothing.
+    assert code("5` <b>") == "5` &lt;b&gt;"
+
+
+@pytest.mark.parametrize("count", range(2, 60))
+def test_no_tile_is_alone_in_the_last_row(tmp_path: Path, count: int) -> None:
+    across = environment(context(tmp_path, [], tmp_path)).filters["across"](count)
+    wide, middle, narrow = map(int, re.findall(r":(\d+)", across))
+    assert count <= wide or count % wide != 1
+    assert count <= middle or count % middle != 1
+    # Two and three columns cannot avoid it for 7, 13, …
+    assert count <= narrow or count % narrow != 1 or count % 6 == 1
