@@ -66,6 +66,7 @@ def build(context: ReportContext) -> list[Artifact]:
                     panes,
                     context.out / f"answer-{name}",
                     x=axis,
+                    metric=context.flip_name,
                     title=f"Error over {words}, all scenes",
                     caption="All panes share both axes; lower left is best. Lines in color join "
                     "values of one parameter. The row at the bottom, below a dotted break of the "

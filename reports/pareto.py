@@ -170,7 +170,7 @@ def _draw(
         )
     if best:
         axes.plot(*_front_line(axes, best), color=figures.QUIET, linewidth=1, zorder=1.5)
-    axes.set_ylabel(error_axis.LABEL)
+    axes.set_ylabel(error_axis.label(context.flip_name))
 
 
 def _set_scales(axes: Axes, points: Sequence[Point]) -> None:

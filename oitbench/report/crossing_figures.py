@@ -28,12 +28,12 @@ from oitbench.scene import Floats
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-_LOOK = {LISTS: ("#0072B2", "s"), CURVES: ("#D55E00", "o"), BLENDING: ("#6b6b6b", "^")}
+_LOOK = {family: palette.family_look(family) for family in (LISTS, CURVES, BLENDING)}
 """Color and marker of each family."""
 _MARKS = {
     LISTS: (*_LOOK[LISTS], "lists win"),
     CURVES: (*_LOOK[CURVES], "curves win"),
-    EQUAL: ("#6b6b6b", "D", "no visible error"),
+    EQUAL: ("#6b6b6b", "v", "no visible error"),
 }
 """Color, marker and legend of a winner."""
 _PALE = 0.85
@@ -74,7 +74,7 @@ def draw_errors(context: ReportContext, found: Comparison, grid: Grid) -> Figure
             sweeps = {(s.by_layers, s.at): s for s in sweeps_of(found, grid, group)}
             for axes, kind in zip(row, kinds, strict=True):
                 _draw_sweep(axes, found, grid, group, sweeps[kind, shown[kind]])
-            row[0].set_ylabel("RMSE of radiance")
+            row[0].set_ylabel("RMSE of radiance, lower is better")
             row[0].set_title(group.title)
         figure.legend(*panels[0][0].get_legend_handles_labels(), loc="outside upper right", ncols=3)
         caption = (

@@ -12,13 +12,17 @@ if TYPE_CHECKING:
 
 FLOOR = 1e-3
 """Errors up to this one share one place, below a break of the axis."""
-LABEL = "FLIP error, lower is better (logarithmic)"
 _SHARED = FLOOR / 1.9
 _ROOM = 1.6
 _NARROW = 30
 """An axis whose ends differ by less than this factor has more ticks."""
 
 Direction = Literal["x", "y"]
+
+
+def label(metric: str) -> str:
+    """Return the label of the axis of a metric, by its name for readers."""
+    return f"{metric} error, lower is better (logarithmic)"
 
 
 def place(error: float) -> float:

@@ -116,7 +116,7 @@ def _draw_distances(axes: Axes, ladder: Ladder, rows: Sequence[str], highest: fl
     for truth, known in found.items():
         axes.plot([*known.values()], [*known], **figures.truth_mark(truth), zorder=3)
     axes.set_title(ladder.panel.title, fontsize=8.5)
-    axes.set_xlabel("FLIP error", fontsize=7.5)
+    axes.set_xlabel(f"{ladder.context.flip_name} error, lower is better", fontsize=7.5)
 
 
 def _known(ladder: Ladder, truth: str, rows: Sequence[str]) -> dict[int, float]:

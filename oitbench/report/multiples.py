@@ -64,7 +64,9 @@ def sweeps(points: Iterable[tuple[Record, Point]]) -> tuple[tuple[Point, ...], .
     )
 
 
-def draw(panes: Sequence[Pane], path: Path, *, x: str, title: str, caption: str) -> Figure:
+def draw(
+    panes: Sequence[Pane], path: Path, *, x: str, metric: str, title: str, caption: str
+) -> Figure:
     """Draw a pane for each scene.
 
     Parameters
@@ -75,6 +77,8 @@ def draw(panes: Sequence[Pane], path: Path, *, x: str, title: str, caption: str)
         File without its suffix.
     x : str
         Label of the horizontal axis, with its unit.
+    metric : str
+        Name of the metric of errors for readers.
     title, caption : str
     """
     points = [point for pane in panes for point in pane.points]
@@ -84,6 +88,7 @@ def draw(panes: Sequence[Pane], path: Path, *, x: str, title: str, caption: str)
         _handles(points),
         path,
         x=x,
+        metric=metric,
         title=title,
         caption=caption,
     )
@@ -96,6 +101,7 @@ def small_multiples(
     path: Path,
     *,
     x: str,
+    metric: str,
     title: str,
     caption: str,
 ) -> Figure:
@@ -109,7 +115,7 @@ def small_multiples(
         All that must be inside of the axes.
     handles : sequence of Line2D
         Of the legend.
-    path, x, title, caption
+    path, x, metric, title, caption
         As in `draw`.
     """
     down = math.ceil(len(panes) / _ACROSS)
@@ -126,7 +132,7 @@ def small_multiples(
             grid[place].set_visible(False)
             grid[place - across].xaxis.set_tick_params(labelbottom=True)
         figure.supxlabel(x, fontsize=8.5)
-        figure.supylabel(error_axis.LABEL, fontsize=8.5)
+        figure.supylabel(error_axis.label(metric), fontsize=8.5)
         figure.legend(
             handles=handles, loc="outside upper center", ncols=4, fontsize=7.5, frameon=False
         )

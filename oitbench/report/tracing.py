@@ -86,6 +86,7 @@ def draw(context: ReportContext, panels: Sequence[Panel]) -> Figure | None:
         _handles(),
         context.out / "answer-tracing",
         x="time of tracing, s (logarithmic)",
+        metric=context.flip_name,
         title="Error of path tracing over its time, all scenes",
         caption=_CAPTION,
     )
