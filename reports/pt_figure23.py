@@ -32,7 +32,9 @@ def build(context: ReportContext) -> list[Artifact]:
     """Draw both resolutions, a part of each, and the light that they accumulate."""
     album = Album(context, needs)
     said = (
-        alike(album, *PARTS, "glass, smoke and edges look the same at both resolutions"),
+        alike(
+            album, PARTS[0], PARTS[1], "glass, smoke and edges look the same at both resolutions"
+        ),
         *_ratios(album),
     )
     text = caption(album, "Middle: the part with a frame.", said)
