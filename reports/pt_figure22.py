@@ -19,8 +19,8 @@ LISTS = Picture(SCENE, "k_buffer[k=16]", "k-buffer, 16 nodes")
 IDEAL = Picture(SCENE, "phenomenological", "Exact compositing", truth=EXACT)
 PICTURES = (BLENDED, OURS, LISTS, IDEAL)
 ROWS = (
-    Row(PICTURES, score=EXACT, marks=("fringe",)),
-    Row([picture.part("fringe") for picture in PICTURES]),
+    Row(PICTURES, score=EXACT, marks=("ends",)),
+    Row([picture.part("ends") for picture in PICTURES]),
 )
 MOST = 0.75
 """Part of the error that a substantially better method would have at most."""
