@@ -42,7 +42,13 @@ from oitbench.scene import (
 subject = "glass"
 quick = False
 near = 4.2
-crops = {"caustics": (0.24, 0.48, 0.48, 0.26)}
+crops = {
+    "caustics": (0.24, 0.48, 0.48, 0.26),
+    "index_10": (0.0, 0.34, 0.25, 0.38),
+    "index_13": (0.25, 0.34, 0.25, 0.38),
+    "index_15": (0.5, 0.34, 0.25, 0.38),
+    "knot": (0.75, 0.34, 0.25, 0.38),
+}
 parameters = {
     "detail": DETAIL,
 }

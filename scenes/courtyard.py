@@ -88,7 +88,13 @@ from oitbench.scene.paths import between
 subject = "fog"
 quick = False
 near = 0.1
-crops = {"crown@tree": (0.3, 0.2, 0.4, 0.4)}
+crops = {
+    "crown": (0.3, 0.04, 0.26, 0.26),
+    "leaves": (0.73, 0.02, 0.26, 0.26),
+    "glasses": (0.19, 0.7, 0.26, 0.26),
+    "lamp": (0.34, 0.66, 0.26, 0.26),
+    "crown@tree": (0.3, 0.2, 0.4, 0.4),
+}
 parameters = {
     "detail": DETAIL,
     "extinction": Parameter(0.11, low=0.0, high=10.0, help="extinction of the densest haze, 1/m"),

@@ -57,7 +57,16 @@ STEEL = Material(albedo=(0.10, 0.10, 0.11), specular=0.3, roughness=0.5)
 
 subject = "frosted glass"
 near = 1.55
-crops = {"nearest_pot": (0.03, 0.5, 0.22, 0.22), "farthest_pot": (0.76, 0.5, 0.22, 0.22)}
+crops = {
+    "nearest_pot": (0.03, 0.5, 0.22, 0.22),
+    "farthest_pot": (0.76, 0.5, 0.22, 0.22),
+    "nearest_lid": (0.05, 0.54, 0.17, 0.09),
+    "farthest_lid": (0.8, 0.54, 0.16, 0.09),
+    "first_box": (0.04, 0.64, 0.08, 0.08),
+    "second_box": (0.225, 0.64, 0.08, 0.08),
+    "last_box": (0.79, 0.64, 0.08, 0.08),
+    "panes": (0.0, 0.3, 1.0, 0.5),
+}
 parameters = {
     "detail": DETAIL,
     "distance": Parameter(

@@ -49,7 +49,16 @@ from oitbench.scene import (
 subject = "smoke and glass"
 quick = False
 near = 4.3
-crops = {"glass_ball": (0.56, 0.22, 0.38, 0.34), "shadow_of_smoke": (0.1, 0.56, 0.42, 0.24)}
+crops = {
+    "glass_ball": (0.56, 0.22, 0.38, 0.34),
+    "smoke": (0.02, 0.19, 0.44, 0.32),
+    "top_of_smoke": (0.17, 0.25, 0.18, 0.06),
+    "foot_of_smoke": (0.17, 0.39, 0.18, 0.06),
+    "shadow_of_smoke": (0.1, 0.56, 0.42, 0.24),
+    "shadow_of_ball": (0.62, 0.55, 0.36, 0.26),
+    "middle_of_shadow": (0.77, 0.64, 0.08, 0.06),
+    "rim_of_shadow": (0.68, 0.63, 0.04, 0.06),
+}
 parameters = {
     "detail": PARTICLE_DETAIL,
     "alpha": Parameter(

@@ -8,7 +8,17 @@ from __future__ import annotations
 
 from oitbench.papers import curves
 from oitbench.papers.album import Album
-from oitbench.papers.captions import Finding, alike, caption, darker, even, faithful, nearer, unlike
+from oitbench.papers.captions import (
+    Finding,
+    alike,
+    caption,
+    darker,
+    even,
+    faithful,
+    less,
+    nearer,
+    unlike,
+)
 from oitbench.papers.listing import Paper, read_paper
 from oitbench.papers.picture import Picture, needs_of
 from oitbench.papers.plates import Row, plate
@@ -25,6 +35,7 @@ __all__ = [
     "darker",
     "even",
     "faithful",
+    "less",
     "nearer",
     "needs_of",
     "plate",

@@ -68,6 +68,22 @@ def faithful(album: Album, picture: Picture, truth: str, text: str) -> Finding:
     return Finding(f"{text} (FLIP {fixed(error, 4)})", error <= ALIKE)
 
 
+def less(value: float | None, other: float | None, text: str, digits: int = 2) -> Finding:
+    """Return whether a number is below another one; both stand behind the statement.
+
+    Parameters
+    ----------
+    value, other : float, optional
+        None if the results cannot tell.
+    text : str
+    digits : int
+        Decimals of both numbers.
+    """
+    if value is None or other is None:
+        return Finding(text, None)
+    return Finding(f"{text} ({value:.{digits}f} against {other:.{digits}f})", value < other)
+
+
 def alike(album: Album, picture: Picture, other: Picture, text: str) -> Finding:
     """Return whether two pictures look the same: their FLIP is at most `ALIKE`."""
     return _apart(album, picture, other, text, True)

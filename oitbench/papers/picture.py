@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 from oitbench.method.ablation import REQUESTED
 from oitbench.needs import Need, merged
-from oitbench.truths import EXACT
+from oitbench.truths import EXACT, MATCHED
 from oitbench.views import MAIN
 
 
@@ -50,6 +50,11 @@ class Picture:
     def part(self, crop: str) -> Picture:
         """Return a part of the same picture, without a heading."""
         return replace(self, crop=crop, label="")
+
+    @property
+    def traced(self) -> Picture:
+        """The matched reference of the same cell, without a heading."""
+        return replace(self, truth=MATCHED, label="")
 
 
 def needs_of(pictures: Iterable[Picture | None]) -> list[Need]:

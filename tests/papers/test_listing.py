@@ -20,7 +20,10 @@ def numbers(figures: int, tables: int) -> set[str]:
     return {*found, *(f"Table {number}" for number in range(1, tables + 1))}
 
 
-@pytest.mark.parametrize(("name", "all_of"), [("at2011", numbers(10, 1))])
+@pytest.mark.parametrize(
+    ("name", "all_of"),
+    [("at2011", numbers(10, 1)), ("pt2017", numbers(25, 2)), ("i3d2016", numbers(14, 2))],
+)
 def test_each_figure_is_drawn_or_has_a_reason(name: str, all_of: set[str]) -> None:
     paper = PAPERS[name]
     assert {*paper.drawn, *paper.omitted} == all_of
