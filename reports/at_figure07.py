@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from oitbench.papers import Album, Finding, Picture, caption, needs_of, read_paper
 from oitbench.report import Artifact, Note, ReportContext, decimal, figures, times
-from oitbench.results.times import Interval
+from oitbench.results.times import Time
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -43,25 +43,28 @@ def build(context: ReportContext) -> list[Artifact]:
     if not found:
         return [Note("No cell of this figure has been timed yet.")]
     with figures.canvas(figures.WIDTH, 4.4) as canvas:
-        left, right = canvas.subplots(1, 2, width_ratios=(25, 6))
+        left, right = canvas.subplots(1, 2, width_ratios=(25, 7))
         _draw(context, left, found, [place for place in PICTURES if place[1] not in BUFFERS])
         _draw(context, right, found, [place for place in PICTURES if place[1] in BUFFERS])
         left.set(ylabel="method time, ms")
-        right.set(yscale="log", title="A-buffers, logarithmic", ylim=_decades(found))
+        right.set(yscale="log", ylabel="A-buffers, ms (logarithmic)", ylim=_decades(found))
+        right.yaxis.set_major_formatter("{x:,g}")
         shown = f"Median times on {context.results.renderer}. {times.SHORT_EXPLANATION}."
         text = caption(album, shown, _findings(found))
         path = context.out / "at_figure07"
         return [figures.save(canvas, path, title=title, caption=text)]
 
 
-def _time(album: Album, picture: Picture) -> Interval | None:
+def _time(album: Album, picture: Picture) -> Time | None:
     record = album.record(picture)
-    return record.time.method_ms if record and record.time else None
+    return record.time if record else None
 
 
-def _decades(found: Mapping[tuple[str, str], Interval]) -> tuple[float, float]:
+def _decades(found: Mapping[tuple[str, str], Time]) -> tuple[float, float]:
     """Return the powers of ten around the times of the A-buffers."""
-    medians = [time.median for (_, method), time in found.items() if method in BUFFERS] or [1.0]
+    medians = [
+        time.method_ms.median for (_, method), time in found.items() if method in BUFFERS
+    ] or [1.0]
     return 10 ** _floor(min(medians)), 10 ** (_floor(max(medians)) + 1)
 
 
@@ -72,7 +75,7 @@ def _floor(value: float) -> int:
 def _draw(
     context: ReportContext,
     axes: "Axes",
-    found: Mapping[tuple[str, str], Interval],
+    found: Mapping[tuple[str, str], Time],
     places: Sequence[tuple[str, str]],
 ) -> None:
     """Draw one bar for each place, with a gap between scenes."""
@@ -89,12 +92,13 @@ def _draw(
         if time is None:
             continue
         color = context.style(PICTURES[place].method).color
-        axes.bar(x, time.median, color=color, width=0.8)
-        if time.ends:
-            low, high = time.median - time.ends[0], time.ends[1] - time.median
-            axes.errorbar(x, time.median, [[low], [high]], color=figures.INK, linewidth=0.8)
+        median, ends = time.method_ms.median, time.method_ms.ends
+        axes.bar(x, median, color=color, width=0.8)
+        if ends:
+            apart = [[median - ends[0]], [ends[1] - median]]
+            axes.errorbar(x, median, apart, color=figures.INK, linewidth=0.8)
         axes.annotate(
-            decimal(time.median), (x, time.ends[1] if time.ends else time.median),
+            times.signed(decimal(median), time.block.disturbed), (x, ends[1] if ends else median),
             xytext=(0, 2), textcoords="offset points", fontsize=6, rotation=90,
             horizontalalignment="center", verticalalignment="bottom",
         )  # fmt: skip
@@ -109,7 +113,7 @@ def _draw(
         )  # fmt: skip
 
 
-def _findings(found: Mapping[tuple[str, str], Interval]) -> Iterator[Finding]:
+def _findings(found: Mapping[tuple[str, str], Time]) -> Iterator[Finding]:
     for scene in ("HAIR", "FOREST", "SMOKE"):
         for slow, least, text in (
             ("recursive", 5, "at least 5 times as fast as the A-buffer"),
@@ -120,5 +124,5 @@ def _findings(found: Mapping[tuple[str, str], Interval]) -> Iterator[Finding]:
             if pair[0] is None or pair[1] is None:
                 yield Finding(sentence, None)
                 continue
-            ratio = pair[1].median / pair[0].median
+            ratio = pair[1].method_ms.median / pair[0].method_ms.median
             yield Finding(f"{sentence} ({decimal(ratio)} times)", ratio >= least)

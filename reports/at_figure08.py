@@ -1,7 +1,7 @@
 """Visibility at one pixel of the smoke by four methods, over the exact curve in gray.
 
-Colors of fragments are stored as floats here, so that they do not change the curves. The band of
-stochastic transparency is one standard deviation wide on each side of its mean.
+Colors of fragments are stored as floats here, so that they do not change the curves. Stochastic
+transparency shows its mean over random numbers; its error includes the noise of a single pixel.
 """
 
 from dataclasses import replace
@@ -15,7 +15,7 @@ from oitbench.report import Artifact, Note, ReportContext, visibility
 title = "Visibility curves of four methods"
 
 PAPER = read_paper(Path(__file__).parent / "papers" / "at2011.toml")
-PICTURE = PAPER.picture("SMOKE", "A-buffer")
+PICTURE = PAPER.picture("SMOKE", "A-buffer").part("fence")
 needs = needs_of([PICTURE])
 METHODS = {
     "AT": "adaptive[nodes=24,node=precise]",
@@ -33,12 +33,12 @@ def build(context: ReportContext) -> list[Artifact]:
         return [Note(f"There are no counts of fragments of {PICTURE.scene} in these results.")]
     found = curves.curves_at(album, PICTURE, pixel, list(METHODS.values()))
     errors = {
-        name: float(np.sqrt(np.nanmean((found.methods[label] - found.exact) ** 2)))
+        name: float(np.sqrt(np.nanmean((curve - found.exact) ** 2 + found.spread(label) ** 2)))
         for name, label in METHODS.items()
-        if label in found.methods
+        if (curve := found.methods.get(label)) is not None
     }
     numbers = ", ".join(f"{name} {error:.4f}" for name, error in errors.items())
     text = f"the curve of AT is nearest to the exact one (RMS error {numbers})"
     said = Finding(text, min(errors, key=errors.__getitem__) == "AT" if errors else None)
-    drawn = visibility.write(found, context.out / "at_figure08")
+    drawn = visibility.write(found, context.out, "at_figure08")
     return [replace(drawn, title=title, caption=caption(album, f"{drawn.caption}.", [said]))]

@@ -91,7 +91,11 @@ BOOKS: tuple[RGB, ...] = ((0.42, 0.08, 0.06), (0.08, 0.16, 0.32), (0.46, 0.34, 0
 subject = "glass"
 quick = False
 near = 0.27
-crops = {"red_pieces": (0.44, 0.32, 0.44, 0.28)}
+crops = {
+    "red_pieces": (0.44, 0.32, 0.44, 0.28),
+    "red_men@left": (0.68, 0.3, 0.32, 0.36),
+    "red_men@right": (0.68, 0.3, 0.32, 0.36),
+}
 parameters = {
     "detail": DETAIL,
 }

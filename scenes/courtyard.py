@@ -93,6 +93,7 @@ crops = {
     "leaves": (0.73, 0.02, 0.26, 0.26),
     "glasses": (0.19, 0.7, 0.26, 0.26),
     "lamp": (0.34, 0.66, 0.26, 0.26),
+    "crown@tree": (0.3, 0.2, 0.4, 0.4),
 }
 parameters = {
     "detail": DETAIL,

@@ -62,6 +62,11 @@ from oitbench.scene import (
 subject = "fog"
 quick = False
 near = 0.1
+crops = {
+    "woman": (0.22, 0.58, 0.05, 0.12),
+    "man": (0.55, 0.56, 0.03, 0.06),
+    "houses": (0.26, 0.2, 0.08, 0.08),
+}
 parameters = {
     "detail": DETAIL,
     "seed": Parameter(1, low=0, help="seed of the lit windows and of the leaves"),

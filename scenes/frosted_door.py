@@ -44,7 +44,13 @@ from oitbench.scene import (
 subject = "frosted glass"
 quick = False
 near = 2.2
-crops = {"lettering": (0.25, 0.1, 0.5, 0.28)}
+crops = {
+    "lettering": (0.25, 0.1, 0.5, 0.28),
+    "frame": (0.0, 0.1, 0.05, 0.8),
+    "woman": (0.64, 0.52, 0.08, 0.12),
+    "man": (0.32, 0.52, 0.06, 0.12),
+    "far_wall": (0.42, 0.44, 0.06, 0.08),
+}
 parameters = {
     "detail": DETAIL,
     "collimation": Parameter(

@@ -49,6 +49,7 @@ from oitbench.scene import (
 subject = "smoke and glass"
 quick = False
 near = 3.0
+crops = {"edges": (0.4, 0.34, 0.4, 0.4)}
 parameters = {
     "detail": PARTICLE_DETAIL,
     "alpha": Parameter(

@@ -69,6 +69,10 @@ class Curves:
     families: dict[str, str]
     reasons: dict[str, str]
 
+    def spread(self, label: str) -> Floats:
+        """Return the standard deviation of each value of a method at a single pixel, (n + 1, 3)."""
+        return np.asarray(self.noise[label] * np.sqrt(_RANDOM_ROWS))
+
 
 def instrument(fragments: FragmentLists, rows: int = 1) -> FragmentLists:
     """Return lists in which pixel i holds all `fragments` of one pixel, but only the i-th shines.

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
+import numpy.typing as npt
 
 from oitbench.measure.pixel import measure
 from oitbench.papers.album import Album
@@ -26,7 +27,7 @@ def pixel_with(album: Album, picture: Picture, least: float, most: float) -> tup
     ----------
     album : Album
     picture : Picture
-        Whose cell has the counts.
+        Whose cell has the counts. If it shows a part, the pixel is inside of that.
     least, most : float
         Fragments, relative to the largest number at a pixel if at most 1.
     """
@@ -37,12 +38,25 @@ def pixel_with(album: Album, picture: Picture, least: float, most: float) -> tup
     if counts is None or light is None or counts.shape != light.shape[:2]:
         return None
     low, high = (bound * counts.max() if bound <= 1 else bound for bound in (least, most))
-    fits = (counts >= low) & (counts <= high)
+    fits = (counts >= low) & (counts <= high) & _inside(album, picture, counts.shape)
     if not fits.any():
         return None
     apart = np.where(fits, np.abs(light.mean(axis=2) - _CLEAR), np.inf)
     row, column = np.unravel_index(np.argmin(apart), apart.shape)
     return int(column), int(row)
+
+
+def _inside(album: Album, picture: Picture, shape: tuple[int, ...]) -> npt.NDArray[np.bool_]:
+    """Return which pixels of a picture of a shape belong to the part that is shown."""
+    if not picture.crop:
+        return np.ones(shape, bool)
+    left, top, width, height = album.crop(picture, picture.crop)
+    rows, columns = ((np.arange(count) + 0.5) / count for count in shape)
+    tall, wide = (
+        abs(rows - top - height / 2) < height / 2,
+        abs(columns - left - width / 2) < width / 2,
+    )
+    return np.asarray(tall[:, None] & wide)
 
 
 def curves_at(

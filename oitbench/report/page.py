@@ -26,6 +26,7 @@ VIEWER = (
 """Scripts of the viewer in `viewer/`, in the order in which the page has them."""
 
 
+_REMARKS = "Not drawn"
 HEADING = "Order-independent transparency: accuracy and cost"
 
 
@@ -137,8 +138,9 @@ def _edited(context: ReportContext, sections: Sequence[Section], edition: Editio
     ]
     if edition.remarks:
         notes = [Note(f"{about}: {text}.") for about, text in edition.remarks.items()]
-        body = environment(context).get_template("section.html").render(artifacts=notes)
-        edited.append(Section("remarks", "Not drawn", body=body))
+        template = environment(context).get_template("section.html")
+        body = template.render(artifacts=notes, heading=_REMARKS)
+        edited.append(Section("remarks", _REMARKS, body=body))
     return edited
 
 

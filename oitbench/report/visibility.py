@@ -36,13 +36,15 @@ _HEADING = (
 )
 
 
-def write(curves: Curves, folder: Path) -> Figure:
-    """Write `visibility.csv`, `.json`, `.png` and `.pdf` into `folder`.
+def write(curves: Curves, folder: Path, name: str = NAME) -> Figure:
+    """Write `NAME.csv`, `.json`, `.png` and `.pdf` into `folder`.
 
     Parameters
     ----------
     curves : Curves
     folder : Path
+    name : str
+        Of the files.
 
     Raises
     ------
@@ -50,10 +52,10 @@ def write(curves: Curves, folder: Path) -> Figure:
         If the folder cannot be written to.
     """
     with writing_to(folder):
-        write_csv(folder / f"{NAME}.csv", _HEADING, _rows(curves))
+        write_csv(folder / f"{name}.csv", _HEADING, _rows(curves))
         text = json.dumps(_facts(curves), indent=1, allow_nan=False)
-        (folder / f"{NAME}.json").write_text(text + "\n", encoding="utf-8")
-        return _draw(curves, folder)
+        (folder / f"{name}.json").write_text(text + "\n", encoding="utf-8")
+        return _draw(curves, folder / name)
 
 
 def _all(curves: Curves) -> dict[str, Floats]:
@@ -100,7 +102,7 @@ def _finite(values: Floats) -> list[list[float | None]]:
     return [[value if math.isfinite(value) else None for value in row] for row in values.tolist()]
 
 
-def _draw(curves: Curves, folder: Path) -> Figure:
+def _draw(curves: Curves, path: Path) -> Figure:
     panels: dict[str, list[str]] = {}
     for label in curves.methods:
         panels.setdefault(curves.names[label], []).append(label)
@@ -121,7 +123,7 @@ def _draw(curves: Curves, folder: Path) -> Figure:
         count = len(curves.fragments.z)
         title = f"{curves.scene}, {where}, {count} fragments; gray: exact compositing"
         figure.suptitle(title, fontsize=8, color=QUIET)
-        return save(figure, folder / NAME, title="Visibility", caption=title)
+        return save(figure, path, title="Visibility", caption=title)
 
 
 def _draw_panel(

@@ -71,7 +71,7 @@ def _begin(settings: Settings, on_step: OnStep) -> Callable[[BuildSection], Sect
         try:
             with writing_to(context.out):
                 artifacts = list(module.build(context))
-                body = template.render(artifacts=artifacts)
+                body = template.render(artifacts=artifacts, heading=module.title)
             return SectionBuilt(
                 printable(str(module.title)),
                 printable(" ".join((module.__doc__ or "").split())),

@@ -60,6 +60,7 @@ def test_a_paper_is_run_and_drawn_on_a_page_of_its_own(
     text = page.read_text(encoding="utf-8")
     assert "<h1>A &amp; B 2020, “&lt;Bars&gt;”</h1>" in text
     assert "<h2>Figure 2: Bars &lt;two&gt;</h2>" in text
+    assert "<h3>Bars &lt;two&gt;</h3>" not in text  # once is enough
     assert "Figure 1: a diagram &lt;of&gt; bars." in text
     assert text.count("<section id=") == 3  # the figure, what is not drawn, and the environment
     assert "eproduced: both look the same (FLIP 0." in text

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
+from typing import Any
 
 import msgspec
 import numpy as np
@@ -66,7 +68,8 @@ def measured(
     exact = np.repeat(0.5 ** np.arange(LAYERS + 1.0)[:, None], 3, axis=1)
     names = {label: parse(label).name for label in methods}
     curves = dict.fromkeys(methods, exact)
-    return Curves(scene, pixel, size, fragments, exact, curves, {}, names, {}, {})
+    noise = dict.fromkeys(methods, np.zeros_like(exact))
+    return Curves(scene, pixel, size, fragments, exact, curves, noise, names, {}, {})
 
 
 @pytest.fixture(autouse=True)
@@ -100,3 +103,24 @@ def test_a_figure_says_that_results_lack_its_cells(name: str, tmp_path: Path) ->
     assert "results" in text or "timed" in text
     assert "Reproduced" not in text
     assert "Not reproduced" not in text
+
+
+@pytest.mark.parametrize(("noise", "word"), [(0.0, "Not reproduced"), (0.01, "Reproduced")])
+def test_the_nearest_curve_is_that_of_least_error_with_noise(
+    noise: float, word: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def noisy(*arguments: Any) -> Curves:
+        found = measured(*arguments)
+        shifts = dict(zip(found.methods, (0.05, 0.0, 0.2, 0.1), strict=True))
+        values = {label: found.exact + shift for label, shift in shifts.items()}
+        errors = found.noise | {arguments[2][1]: np.full_like(found.exact, noise)}
+        return replace(found, methods=values, noise=errors)
+
+    monkeypatch.setattr("oitbench.papers.curves.measure", noisy)
+    crops = {key: scene.crops for key, scene in collection().scenes.items()}
+    records = needed(tmp_path, "at_figure08")
+    (figure,) = collection().reports["at_figure08"].build(context(tmp_path, records, crops))
+    # The mean of 256 pixels has a sixteenth of the deviation of one.
+    numbers = f"AT 0.0500, ST {16 * noise:.4f}, OSMT 0.2000, FOMT 0.1000"
+    text = f"the curve of AT is nearest to the exact one (RMS error {numbers})"
+    assert f"{word}: {text}." in figure.caption

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from oitbench.errors import DeclarationError, UsageError
-from oitbench.papers.listing import FOLDER, figures_of, read_paper, read_papers
+from oitbench.papers.listing import FOLDER, Paper, StandIn, figures_of, read_paper, read_papers
 from oitbench.places import own_folder
 from tests.helpers import collection
 
@@ -20,7 +20,10 @@ def numbers(figures: int, tables: int) -> set[str]:
     return {*found, *(f"Table {number}" for number in range(1, tables + 1))}
 
 
-@pytest.mark.parametrize(("name", "all_of"), [("at2011", numbers(10, 1))])
+@pytest.mark.parametrize(
+    ("name", "all_of"),
+    [("at2011", numbers(10, 1)), ("pt2017", numbers(25, 2)), ("i3d2016", numbers(14, 2))],
+)
 def test_each_figure_is_drawn_or_has_a_reason(name: str, all_of: set[str]) -> None:
     paper = PAPERS[name]
     assert {*paper.drawn, *paper.omitted} == all_of
@@ -58,6 +61,9 @@ def test_pictures_have_the_settings_of_their_scene() -> None:
     adaptive, base = paper.picture("SMOKE", "AT", "here"), paper.picture("HAIR", "A-buffer")
     assert (adaptive.method, adaptive.label) == ("adaptive[nodes=24]", "here")
     assert (base.scene, base.method) == ("hair", "a_buffer")
+    scenes = {"FOG": StandIn("fog", {"AT": "adaptive[nodes=2]"})}
+    other = Paper("", {}, methods={"AT": "adaptive"}, scenes=scenes)
+    assert other.picture("FOG", "AT").method == "adaptive[nodes=2]"
 
 
 @pytest.mark.parametrize(

@@ -81,7 +81,11 @@ def test_hostile_texts_are_no_markup_and_no_formulas(claims: ModuleType, tmp_pat
         finished(tmp_path, scene, name, error) for name, error in (("calm", 0.1), ("wild", 0.3))
     ]
     known = context(tmp_path, cells, tmp_path)
-    page = environment(known).get_template("section.html").render(artifacts=claims.build(known))
+    page = (
+        environment(known)
+        .get_template("section.html")
+        .render(artifacts=claims.build(known), heading="")
+    )
     for tag in ("<script>", "<b>Me", "<img"):
         assert tag not in page
     assert "&lt;script&gt;" in page

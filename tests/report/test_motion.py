@@ -46,7 +46,9 @@ def test_each_folder_has_a_strip_a_plot_and_a_table(tmp_path: Path) -> None:
 def test_the_page_shows_methods_that_its_run_does_not_know(tmp_path: Path) -> None:
     made_up.write(tmp_path / "motion")
     known = context(tmp_path, [finished(tmp_path, "fog", "glow", 0.1)], tmp_path / "report")
-    page = environment(known).get_template("section.html").render(artifacts=build(known))
+    page = (
+        environment(known).get_template("section.html").render(artifacts=build(known), heading="")
+    )
     assert "leaping[sort=object]" in page
 
 
