@@ -48,11 +48,15 @@ def _findings(album: Album) -> Iterator[Finding]:
             continue
         most = float(gain.max())
         yield Finding(f"{text} (gains {most:.0%} at most)", (most > EVEN) == bright)
-    sizes = [
-        None if gain is None else float((gain > gain.max() / 2).mean())
-        for gain in (gains["index_15"], gains["index_13"])
-    ]
-    yield less(*sizes, "the bright part is smaller at index 1.5 than at 1.3", 3)
+    yield less(
+        _size(gains["index_15"]), _size(gains["index_13"]),
+        "the bright part is smaller at index 1.5 than at 1.3", 3,
+    )  # fmt: skip
+
+
+def _size(gain: Image | None) -> float | None:
+    """Return the part of the pixels that gain more than half of the most."""
+    return None if gain is None else float((gain > gain.max() / 2).mean())
 
 
 def _gain(album: Album, part: str) -> Image | None:
