@@ -235,8 +235,9 @@ def described(choice: Choice | None) -> str:
     parts = [f"FLIP {price.error:.3f}" if price.error >= 5e-4 else "FLIP below 0.0005"]
     if price.ms is not None and price.cost is not None:
         sign = f" {SIGN}" if price.disturbed else ""
-        cost = f"{price.cost:.2g}× the fastest" if price.cost >= 1.05 else "as fast as any"
-        parts += [f"{price.ms:.3g} ms{sign}", cost]
+        ratio = f"{price.cost:.2g}"
+        whose = "the fastest" if ratio == "1" else f"{ratio}× the fastest"
+        parts += [f"{price.ms:.3g} ms{sign}", whose]
     return ", ".join(parts)
 
 
