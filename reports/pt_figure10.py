@@ -38,19 +38,25 @@ def build(context: ReportContext) -> list[Artifact]:
 
 
 def _findings(album: Album) -> Iterator[Finding]:
-    gains = [_gain(album, part) for part in PARTS]
-    peaks = [None if gain is None else float(gain.max()) for gain in gains]
-    sizes = [None if gain is None else float((gain > gain.max() / 2).mean()) for gain in gains]
-    yield less(peaks[0], EVEN, "the ball of index 1.0 has no caustic: its shadow gains no light")
-    for number, label in ((1, "1.3"), (2, "1.5")):
-        text = f"the ball of index {label} brightens the middle of its shadow"
-        yield less(0.0 if gains[number] is not None else None, peaks[number], text)
+    gains = {part: _gain(album, part) for part in PARTS}
+    for part, bright in (("index_10", False), ("index_13", True), ("index_15", True)):
+        text = f"the shadow of the ball of index {PARTS[part].split()[-1]} has "
+        text += "a bright middle" if bright else "no caustic"
+        gain = gains[part]
+        if gain is None:
+            yield Finding(text, None)
+            continue
+        most = float(gain.max())
+        yield Finding(f"{text} (gains {most:.0%} at most)", (most > EVEN) == bright)
     yield less(
-        sizes[2],
-        sizes[1],
-        "the caustic is smaller at index 1.5 than at 1.3, by part of the frame",
-        4,
-    )
+        _size(gains["index_15"]), _size(gains["index_13"]),
+        "the bright part is smaller at index 1.5 than at 1.3", 3,
+    )  # fmt: skip
+
+
+def _size(gain: Image | None) -> float | None:
+    """Return the part of the pixels that gain more than half of the most."""
+    return None if gain is None else float((gain > gain.max() / 2).mean())
 
 
 def _gain(album: Album, part: str) -> Image | None:

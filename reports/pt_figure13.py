@@ -17,17 +17,17 @@ OURS = Picture("atrium_fog", "phenomenological", "Phenomenological")
 CLOSED = replace(OURS.traced, label="Closed form, traced")
 ROWS = (
     Row((CLEAR, OURS, CLOSED)),
-    Row((None, replace(OURS, label=""), None), against=CLOSED),
+    Row((*(replace(picture, label="") for picture in (CLEAR, OURS)), None), against=CLOSED),
 )
 needs = needs_of((CLEAR, OURS, CLOSED))
 
 
 def build(context: ReportContext) -> list[Artifact]:
-    """Draw the court without fog and with it, and the difference from the closed form."""
+    """Draw the court without fog and with it, and the differences from the closed form."""
     album = Album(context, needs)
     said = (
         faithful(album, OURS, MATCHED, "the march looks like the closed form"),
         unlike(album, OURS, CLEAR, "the fog is plain to see"),
     )
-    text = caption(album, "The difference is from the closed form.", said)
+    text = caption(album, "Differences are from the closed form.", said)
     return [plate(album, ROWS, "pt_figure13", title=title, caption=text)]

@@ -62,6 +62,7 @@ def test_truths_and_pictures_are_told_apart(tmp_path: Path) -> None:
     assert drawn is not None
     assert truth is not None
     np.testing.assert_allclose(drawn, truth / 2, rtol=1e-3)
+    assert replace(GLOW, label="Glow").traced == replace(GLOW, truth=MATCHED)
 
 
 def test_a_part_is_cut_from_the_picture(tmp_path: Path) -> None:

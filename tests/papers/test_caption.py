@@ -16,6 +16,7 @@ from oitbench.papers import (
     darker,
     even,
     faithful,
+    less,
     nearer,
     needs_of,
     unlike,
@@ -86,6 +87,13 @@ def test_the_truth_of_one_cell_can_judge_another(tmp_path: Path) -> None:
     found = nearer(album, GLOW, [MURK], truth, "glow is nearer")
     assert found.holds is True
     assert found.text == f"glow is nearer (FLIP {errors[0]:.4f} against {errors[1]:.4f})"
+
+
+@pytest.mark.parametrize(("value", "holds"), [(0.126, True), (0.5, False), (0.75, False)])
+def test_numbers_are_compared(value: float, holds: bool) -> None:
+    found = less(value, 0.5, "it is less", 1)
+    assert found == Finding(f"it is less ({value:.1f} against 0.5)", holds)
+    assert less(None, 0.5, "a") == less(value, None, "a") == Finding("a", None)
 
 
 def test_without_pictures_there_is_no_verdict(tmp_path: Path) -> None:
