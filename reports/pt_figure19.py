@@ -6,7 +6,7 @@ and the buffers of the unordered pass: accumulated light A, transmittance beta, 
 as red and green around middle gray. The paper has no traced picture.
 """
 
-from oitbench.papers import Album, Picture, Row, alike, caption, nearer, needs_of, plate, unlike
+from oitbench.papers import Album, Picture, Row, caption, nearer, needs_of, plate, unlike
 from oitbench.report import Artifact, ReportContext
 from oitbench.truths import MATCHED
 
@@ -43,7 +43,6 @@ def build(context: ReportContext) -> list[Artifact]:
             album, OURS, (NAIVE,), TRACED,
             "phenomenological transparency is nearer to tracing than two passes",
         ),
-        alike(album, OURS, TRACED, "it looks like tracing"),
     )  # fmt: skip
     text = caption(album, "Middle: the part with a frame. Below: buffers.", said)
     return [plate(album, ROWS, "pt_figure19", title=title, caption=text)]

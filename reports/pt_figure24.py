@@ -1,8 +1,8 @@
 """The chess set for both eyes of a viewer.
 
 The paper shows the picture of a head-mounted display, with the correction for its lenses, which
-this suite does not draw. Each eye has a view of its own here, and sees the red men through other
-glass than the other eye.
+this suite does not draw. Each eye has a view of its own here. The parts with a frame show the same
+red men, which each eye sees beside other clear ones.
 """
 
 from oitbench.papers import Album, Picture, Row, caption, needs_of, plate, unlike
@@ -20,6 +20,8 @@ needs = needs_of(PAIR)
 def build(context: ReportContext) -> list[Artifact]:
     """Draw both views, and a part of each."""
     album = Album(context, needs)
-    said = unlike(album, PARTS[0], PARTS[1], "each eye sees the red men through other glass")
+    said = unlike(
+        album, PARTS[0], PARTS[1], "the eyes see different pictures where men hide each other"
+    )
     text = caption(album, "Below: the part with a frame.", [said])
     return [plate(album, ROWS, "pt_figure24", title=title, caption=text)]

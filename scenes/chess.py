@@ -93,8 +93,8 @@ quick = False
 near = 0.27
 crops = {
     "red_pieces": (0.44, 0.32, 0.44, 0.28),
-    "red_men@left": (0.68, 0.3, 0.32, 0.36),
-    "red_men@right": (0.68, 0.3, 0.32, 0.36),
+    "red_men@left": (0.66, 0.3, 0.32, 0.36),
+    "red_men@right": (0.62, 0.3, 0.32, 0.36),
 }
 parameters = {
     "detail": DETAIL,

@@ -1,4 +1,4 @@
-"""A ball of smoke above a plain, and an opaque cube in it or above it.
+"""A ball of smoke above a plain, and an opaque cube in it, above it or beside it.
 
 Stands for figure 16 (`cube=inside`) and figure 17 (`cube=away` and `cube=above`) of McGuire &
 Mara 2017, "Phenomenological Transparency".
