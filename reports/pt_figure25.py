@@ -10,7 +10,7 @@ from oitbench.report import Artifact, ReportContext
 
 title = "A courtyard and the buffers of its views"
 
-SCENE, METHOD = "courtyard[extinction=0]", "phenomenological"
+SCENE, METHOD, CLEAR = "courtyard", "phenomenological", "-volume"
 VIEWS = ("main", "table", "tree")
 HEADINGS = {
     "": "Picture",
@@ -23,7 +23,7 @@ HEADINGS = {
 def _row(view: str, labels: dict[str, str]) -> list[Picture]:
     """Return the picture of a view and its buffers."""
     return [
-        Picture(SCENE, METHOD, labels.get(target, ""), target=target, view=view)
+        Picture(SCENE, METHOD, labels.get(target, ""), target=target, view=view, effects=CLEAR)
         for target in HEADINGS
     ]
 
@@ -32,7 +32,7 @@ GRID = {view: _row(view, HEADINGS if view == VIEWS[0] else {}) for view in VIEWS
 ROWS = [Row(pictures) for pictures in GRID.values()]
 CROWN = GRID["tree"][2].part("crown")
 needs = needs_of(picture for pictures in GRID.values() for picture in pictures)
-HIDDEN, FEW = 0.02, 0.02
+HIDDEN, FEW = 0.02, 0.01
 """Displayed transmittance that counts as none, and the part of pixels that counts as none."""
 
 
@@ -50,4 +50,4 @@ def _silhouettes(album: Album) -> Finding:
     if shown is None:
         return Finding(text, None)
     covered = float((shown.max(axis=2) <= HIDDEN).mean())
-    return Finding(f"{text} ({covered:.0%} of the crown lets no light pass)", covered <= FEW)
+    return Finding(f"{text} ({covered:.1%} of the crown lets no light pass)", covered <= FEW)
