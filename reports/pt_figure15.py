@@ -6,7 +6,7 @@ part of their pixels, and glass that refracts.
 
 from dataclasses import replace
 
-from oitbench.papers import Album, Picture, Row, caption, nearer, needs_of, plate, unlike
+from oitbench.papers import Album, Picture, Row, alike, caption, nearer, needs_of, plate, unlike
 from oitbench.report import Artifact, ReportContext
 from oitbench.truths import MATCHED
 
@@ -22,8 +22,8 @@ PARTS = ("crown", "leaves", "far_table", "glasses")
 ROWS = (
     Row((*HAZY, TRACED), "in haze"),
     Row((*CLEAR, COMPOSITED), "in clear air"),
-    Row([OURS.part(part) for part in PARTS], "in haze"),
-    Row([TRACED.part(part) for part in PARTS], "traced"),
+    Row([OURS.part(part) for part in PARTS], "parts"),
+    Row([TRACED.part(part) for part in PARTS], "parts, traced"),
 )
 needs = needs_of((*HAZY, TRACED, *CLEAR, COMPOSITED, COMPOSITED.traced))
 
@@ -39,6 +39,9 @@ def build(context: ReportContext) -> list[Artifact]:
         *(
             unlike(album, hazy, clear, f"haze is plain to see in the view {hazy.view}")
             for hazy, clear in zip(HAZY, CLEAR, strict=True)
+        ),
+        alike(
+            album, OURS.part("crown"), TRACED.part("crown"), "leaves far away are as hazy as traced"
         ),
     ]  # fmt: skip
     text = caption(album, "Below: parts of the first view, and the same traced.", said)
