@@ -18,8 +18,8 @@ PAPER = read_paper(Path(__file__).parent / "papers" / "at2011.toml")
 PICTURE = PAPER.picture("SMOKE", "A-buffer").part("fence")
 needs = needs_of([PICTURE])
 METHODS = {
-    "AT": "adaptive[nodes=24,node=precise]",
-    "ST": "stochastic[samples=24]",
+    "AT": PAPER.picture("SMOKE", "AT, floats").method,
+    "ST": PAPER.picture("SMOKE", "ST").method,
     "OSMT": "opacity_map[node=precise]",
     "FOMT": "fourier_map[node=precise]",
 }
