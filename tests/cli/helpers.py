@@ -45,7 +45,9 @@ def spawn(*arguments: str, **environment: str) -> Answer:
         [sys.executable, "-m", "oitbench", *arguments],
         env={**os.environ, **environment},
         capture_output=True,
-        text=True,
+        encoding="utf-8",
+        # The environment may ask for another encoding.
+        errors="backslashreplace",
         timeout=600,
     )
     return Answer(done.returncode, done.stdout, done.stderr)

@@ -15,6 +15,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from oitbench.papers.listing import figures_of, read_papers
 from oitbench.plugins import Collection
 from oitbench.report import write
 from oitbench.results.records import Results
@@ -22,7 +23,10 @@ from oitbench.results.schema import Record
 from tests.damage import flip_bit
 from tests.report.made_up import finished, store, unfinished, unstable
 
-REPORTS = Collection.load().places.reports
+PLACES = Collection.load().places
+APART = figures_of(read_papers(PLACES.folders).values())
+REPORTS = {name: path for name, path in PLACES.reports.items() if name not in APART}
+"""Those of the page of all results."""
 
 
 @pytest.fixture(scope="module")
