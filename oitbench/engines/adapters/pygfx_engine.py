@@ -47,7 +47,9 @@ class Pygfx(Engine):
         self._gfx, self._wgpu = pygfx, wgpu
         try:
             self._shared = pygfx.renderers.wgpu.get_shared()
-        except RuntimeError as error:
+            # An object that got no device before is given again.
+            self._device = self._shared.device
+        except (RuntimeError, AttributeError) as error:
             raise CapabilityError(
                 "pygfx finds no driver that it can use; install one of Vulkan, as the package"
                 f" mesa-vulkan-drivers has ({' '.join(str(error).split())})"
@@ -76,10 +78,8 @@ class Pygfx(Engine):
         for surface in content.surfaces:
             scene.add(self._mesh(surface, "solid" if surface.opaque else _MODES[algorithm]))
         usage = self._wgpu.BufferUsage.COPY_SRC | self._wgpu.BufferUsage.COPY_DST
-        fence = self._shared.device.create_buffer(size=_FENCE, usage=usage)
-        return _Picture(
-            renderer, scene, self._camera(content, size), self._shared.device.queue, fence
-        )
+        fence = self._device.create_buffer(size=_FENCE, usage=usage)
+        return _Picture(renderer, scene, self._camera(content, size), self._device.queue, fence)
 
     def _camera(self, content: Content, size: tuple[int, int]) -> Any:
         camera, aspect = content.camera, size[0] / size[1]
