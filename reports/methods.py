@@ -59,7 +59,7 @@ _BREAKS = (
 
 @dataclass(frozen=True)
 class _Known:
-    """What the pages share.
+    """The facts that all pages share.
 
     Parameters
     ----------

@@ -74,11 +74,8 @@ def build(context: ReportContext) -> list[Artifact]:
     records = filter(None, map(album.record, PICTURES.values()))
     text = caption(album, "Milliseconds beside those of the paper.", _findings(album))
     path = context.out / "pt_table1.csv"
-    return [
-        write_table(
-            path, _COLUMNS, rows, title="Stages", caption=text + times.explain(records)
-        )
-    ]  # fmt: skip
+    text += times.explain(records)
+    return [write_table(path, _COLUMNS, rows, title="Stages", caption=text)]
 
 
 def _rows(album: Album) -> Iterator[Row]:

@@ -7,10 +7,10 @@ from typing import Literal
 
 from msgspec import Struct
 
+from oitbench.catalog.needs import Need
 from oitbench.catalog.outline import Outline
 from oitbench.crops import Crop
 from oitbench.method.demands import Demands
-from oitbench.needs import Need
 from oitbench.parameters import AnyParameter
 
 Kind = Literal["method", "scene", "report"]

@@ -144,6 +144,28 @@ memory = click.option(
 )
 
 
+def execution(seconds: float) -> Callable[[Command], Command]:
+    """Add the options that say how cells are run; a step takes at most `seconds` by default."""
+    added: Sequence[Callable[[Command], Command]] = (
+        click.option("--force", is_flag=True, help="Run finished cells again."),
+        timeout(
+            seconds,
+            "Seconds that each step of a cell may take: building its scene, tracing it, drawing.",
+        ),
+        memory,
+        workers("render at once; timing is never parallel"),
+        dask,
+    )
+
+    def decorate(command: Command) -> Command:
+        # The last decorator of a command is applied first, and its option is listed last.
+        for decorator in reversed(added):
+            command = decorator(command)
+        return command
+
+    return decorate
+
+
 def ssaa(default: int | None, text: str = "") -> Callable[[Command], Command]:
     """Return the option `--ssaa`; `text` explains a default of None."""
     return click.option(

@@ -78,8 +78,7 @@ def command(
     """
     from oitbench.catalog.catalog import Catalog
     from oitbench.papers.listing import figures_of, read_papers
-    from oitbench.report import write
-    from oitbench.report.bibliography import NAME
+    from oitbench.report import bibliography, write
     from oitbench.report.markdown import tables
     from oitbench.results.records import Results, parts
 
@@ -98,11 +97,7 @@ def command(
             click.echo("\n".join(map(str, paths)))
             return
         portraits = {name: catalog.portrait(name) for name in sorted({r.name for r in records})}
-        bibliographies = [
-            path
-            for path in (f / "reports" / NAME for f in catalog.places.folders)
-            if path.is_file()
-        ]
+        bibliographies = bibliography.files(catalog.places.folders)
     apart = figures_of(papers.values())
     reports = {name: found[name] for name in sections or found if sections or name not in apart}
     missing = False

@@ -34,14 +34,7 @@ from oitbench.matrix.plan import CELL_SECONDS
     type=click.Path(file_okay=False, path_type=Path),
     help="Folder of the results; the page is in its folder `report`. Default: results/PAPER.",
 )
-@click.option("--force", is_flag=True, help="Run finished cells again.")
-@options.timeout(
-    CELL_SECONDS,
-    "Seconds that each step of a cell may take: building its scene, tracing it, drawing.",
-)
-@options.memory
-@options.workers("render at once; timing is never parallel")
-@options.dask
+@options.execution(CELL_SECONDS)
 @click.option("--dry-run", is_flag=True, help="Only list the cells; write nothing.")
 @click.option("--quiet", is_flag=True, help="Print only what went wrong, and the last lines.")
 @options.open_page

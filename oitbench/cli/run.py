@@ -81,14 +81,7 @@ if TYPE_CHECKING:
     show_default=True,
     help="Folder of the results.",
 )
-@click.option("--force", is_flag=True, help="Run finished cells again.")
-@options.timeout(
-    CELL_SECONDS,
-    "Seconds that each step of a cell may take: building its scene, tracing it, drawing.",
-)
-@options.memory
-@options.workers("render at once; timing is never parallel")
-@options.dask
+@options.execution(CELL_SECONDS)
 @click.option(
     "--seed",
     type=click.IntRange(0),

@@ -9,11 +9,11 @@ from functools import cached_property
 import numpy as np
 from msgspec.structs import replace
 
+from oitbench.catalog.needs import Need
 from oitbench.crops import Crop, of_view
 from oitbench.errors import DeclarationError, unknown
 from oitbench.image import metrics
 from oitbench.image.files import Image, box_downsample
-from oitbench.needs import Need
 from oitbench.papers.picture import Picture
 from oitbench.parameters import parse
 from oitbench.report.context import ReportContext

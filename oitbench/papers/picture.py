@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
+from oitbench.catalog.needs import Need, merged
 from oitbench.method.ablation import REQUESTED
-from oitbench.needs import Need, merged
 from oitbench.truths import EXACT, MATCHED
 from oitbench.views import MAIN
 

@@ -9,12 +9,12 @@ from pathlib import Path
 import msgspec
 
 from oitbench.catalog.catalog import Catalog, Choice
+from oitbench.catalog.needs import Need, merged
 from oitbench.errors import DeclarationError, UsageError, unknown
 from oitbench.executors.places import Place
 from oitbench.matrix.cell import Cell
 from oitbench.matrix.plan import CELL_SECONDS, PRESETS, Matrix
 from oitbench.method.ablation import REQUESTED
-from oitbench.needs import Need, merged
 from oitbench.papers.album import Album
 from oitbench.papers.listing import Paper
 from oitbench.report.context import ReportContext

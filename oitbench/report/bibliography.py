@@ -67,6 +67,11 @@ def read(paths: Iterable[Path]) -> dict[str, Source]:
     return dict(sorted(found.items()))
 
 
+def files(folders: Iterable[Path]) -> list[Path]:
+    """Return the files of some collections, of those that have one."""
+    return [path for path in (folder / "reports" / NAME for folder in folders) if path.is_file()]
+
+
 def text(sources: Iterable[Source]) -> str:
     """Return the content of a BibTeX file with these entries."""
     return "\n".join(f"{source.bibtex}\n" for source in sources)

@@ -24,7 +24,7 @@ _DIGITS = 16
 
 @dataclass(frozen=True)
 class Citation:
-    """What a reader needs to cite a figure of some results.
+    """The facts that a reader needs to cite a figure of some results.
 
     Parameters
     ----------

@@ -10,7 +10,7 @@ from oitbench.report.error_axis import FLOOR
 
 
 class Priced(Protocol):
-    """What has a cost and an error."""
+    """An item with a cost and an error."""
 
     @property
     def cost(self) -> float:
@@ -18,7 +18,7 @@ class Priced(Protocol):
 
     @property
     def errors(self) -> Errors:
-        """The error, with what tells of its uncertainty."""
+        """The error, with the parts that its uncertainty follows from."""
 
 
 Item = TypeVar("Item", bound=Priced)

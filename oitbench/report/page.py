@@ -35,13 +35,13 @@ HEADING = "Order-independent transparency: accuracy and cost"
 
 @dataclass(frozen=True)
 class Edition:
-    """What a page of chosen reports has of its own.
+    """The differences between the page of all results and one of chosen reports.
 
     Parameters
     ----------
     heading : str
     numbers : mapping of str to str
-        What stands before the title of each section, by the names of reports in their order.
+        Text before the title of each section, by the names of reports in their order.
     variants : mapping of str to str
         See `ReportContext`.
     remarks : mapping of str to str

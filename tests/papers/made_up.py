@@ -6,8 +6,8 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
+from oitbench.catalog.needs import Need
 from oitbench.crops import Crop
-from oitbench.needs import Need
 from oitbench.report import ReportContext
 from oitbench.results.records import Results
 from oitbench.results.schema import Record

@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 
 from oitbench.catalog.catalog import Catalog
+from oitbench.catalog.needs import Need, merged
 from oitbench.errors import DeclarationError, UsageError
-from oitbench.needs import Need, merged
 from oitbench.papers.listing import Paper, read_papers
 from oitbench.papers.planning import check_results, needs_of_reports, plan_figures
 from oitbench.places import own_folder

@@ -86,8 +86,8 @@ def pairs(
     for old, new in common:
         if old.outcome is None or new.outcome is None:
             continue
-        files = [outcome.images.get(PICTURE) for outcome in (old.outcome, new.outcome)]
-        if None in files or files[0].sha256 == files[1].sha256:  # type: ignore[union-attr]
+        former, latter = (outcome.images.get(PICTURE) for outcome in (old.outcome, new.outcome))
+        if former is None or latter is None or former.sha256 == latter.sha256:
             continue
         one, other = before.image(old, PICTURE), after.image(new, PICTURE)
         if one is None or other is None:

@@ -6,11 +6,8 @@ from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 from urllib.parse import urlencode
 
-import numpy as np
-
-from oitbench.image.files import Image
 from oitbench.parameters import natural
-from oitbench.report import columns, plates, previews
+from oitbench.report import columns, error_maps, plates, previews
 from oitbench.report.artifacts import Column, Row, Table, fixed, write_table
 from oitbench.report.cells import effect_labels
 from oitbench.report.context import ReportContext
@@ -124,9 +121,8 @@ def _scene(context: ReportContext, word: str, error: float, panel: Panel, cell: 
     ]
     errors = context.flip_map(cell, panel.truth)
     if errors is not None:
-        # The map has a scale of its own, since small errors would be black.
-        top = float(errors.max())
-        pictures.append((f"FLIP map, brightest {fixed(top, 3)}", _colored(errors / (top or 1.0))))
+        scale = error_maps.scale_of(panel.finished, panel.truth, context.flip)
+        pictures.append((f"FLIP map, {scale.words}", scale.colored(errors)))
     address = urlencode({"view": panel.slug, "method": cell.method})
     return Scene(
         f"{word}: {panel.title}",
@@ -138,11 +134,3 @@ def _scene(context: ReportContext, word: str, error: float, panel: Panel, cell: 
 
 def _picture(cell: Record, truth: str) -> str:
     return compared(cell.outcome, truth) if cell.outcome is not None else PICTURE
-
-
-def _colored(errors: Image) -> Image:
-    """Return the colors of errors in [0, 1], shape (h, w): black to pale yellow."""
-    import matplotlib
-
-    colors: Image = matplotlib.colormaps["magma"](errors)[..., :3].astype(np.float32)
-    return colors
