@@ -256,9 +256,11 @@ class Frame(Owner):
             The records of a tile exceed the driver's limit, or the driver reports an error.
         """
         with self.device.checked(self._owner):
-            self._render(transmittance, permutation)
+            self._prepare(transmittance, permutation)
+            self._draw_all()
 
-    def _render(self, transmittance: bool, permutation: int | None) -> None:
+    def _prepare(self, transmittance: bool, permutation: int | None) -> None:
+        """Bring everything that precedes the method's own work up to date."""
         self._follow()
         for stage in self.shading:
             stage.prepare()
@@ -269,11 +271,21 @@ class Frame(Owner):
             self._backdrop.derive()
             self._transmittance = transmittance
         self.orders.arrange(permutation)
+
+    def _draw_all(self, counted: bool = False) -> list[PassRecord]:
+        """Draw until all fragments fit into the memory, which is enlarged between the attempts.
+
+        Returns
+        -------
+        list of PassRecord
+            One per pass of the plan, of the last attempt; empty unless `counted`.
+        """
         for _ in range(_ATTEMPTS):
+            records = [PassRecord(item.name) for item in self.plan.passes] if counted else []
             self.restore()
-            needed = self._draw(None, check=True)
+            needed = self._draw(records or None, check=True)
             if needed is None:
-                return
+                return records
             self.resources.reserve(np.maximum(self.resources.demand, needed))
         raise CapabilityError(f"{self.plan.label}: buffers still overflow after {_ATTEMPTS} frames")
 
@@ -309,16 +321,19 @@ class Frame(Owner):
         self._draw(None, check=False, lap=lap)
 
     def measure(self) -> FrameMeasurement:
-        """Issue a frame, and count the work of each pass.
+        """Render one complete frame, and count the work of each pass.
 
-        The frame must have been rendered before.
+        Raises
+        ------
+        CapabilityError
+            As `render` does.
         """
         shading = Measurement()
-        for stage in self.shading:
-            stage.measure(shading)
-        records = [PassRecord(item.name) for item in self.plan.passes]
-        self.restore()
-        self._draw(records, check=True)
+        with self.device.checked(self._owner):
+            self._prepare(transmittance=False, permutation=None)
+            for stage in self.shading:
+                stage.measure(shading)
+            records = self._draw_all(counted=True)
         for item, record in zip(self.plan.passes, records, strict=True):
             if isinstance(item, Gather) and item.buffers:
                 # Stored fragments are counted by their allocator, or once per run.

@@ -23,13 +23,13 @@ from oitbench.matrix.cell import Cell, choose_effects
 from oitbench.matrix.identity import Identities
 from oitbench.matrix.plain_frames import PlainFrames
 from oitbench.matrix.scoring import Scorer, disagreement
-from oitbench.matrix.stage import Stage, Truth, with_transmittance
+from oitbench.matrix.stage import Stage, Truth, averaged
 from oitbench.matrix.timed_cells import ScoredCell, Timing, time_cells
 from oitbench.measure.rounds import Schedule
 from oitbench.method.declaration import Method
 from oitbench.parameters import parse
 from oitbench.plugins import Collection
-from oitbench.results.pictures import REDUCED
+from oitbench.results.pictures import REDUCED, REDUCED_EXACT
 from oitbench.results.schema import (
     COMPLEXITY,
     TRANSMITTANCE,
@@ -176,7 +176,8 @@ class Bench:
         self._on_step(_DRAWING)
         with self.watch.running("rendering"):
             with Frame(uploaded, method, fine, effects) as frame:
-                image, transmittance = with_transmittance(frame, cell.ssaa)
+                image = averaged(frame, cell.ssaa)
+                passed = None if cell.reduced else averaged(frame, cell.ssaa, transmittance=True)
                 plan = frame.plan
             frames = PlainFrames(stage, cell, method, effects, plan)
             cost = frames.count()
@@ -186,8 +187,12 @@ class Bench:
         if cell.reduced:
             small = files.box_downsample(cost.image, cell.ssaa)
             traced = Scorer(stage, reduced, small, self._store, REDUCED)
+            traced.images[REDUCED_EXACT] = reduced.truth.stored
+        if cost.transmittance is not None:
+            passed = files.box_downsample(cost.transmittance, cell.ssaa)
+        assert passed is not None
         scores, reason = self._score_all(stage, cell, chosen, scorer, traced)
-        rmse = metrics.rmse_transmittance(exact.transmittance, transmittance)
+        rmse = metrics.rmse_transmittance(reduced.transmittance, passed)
         own = scores[EXACT].metrics | spread | {metrics.TRANSMITTANCE: rmse}
         scores[EXACT] = msgspec.structs.replace(scores[EXACT], metrics=own)
         outcome = Outcome(

@@ -19,9 +19,13 @@ from oitbench.results.schema import Memory, PassRuns, SharedShading, Traffic
 
 @dataclass(frozen=True, eq=False)
 class Counted:
-    """The picture of one frame without sub-pixels, and its accounts."""
+    """The picture of one frame without sub-pixels, and its accounts.
+
+    `transmittance` is the picture of it alone, None unless the cell compares it without sub-pixels.
+    """
 
     image: Image
+    transmittance: Image | None
     passes: list[PassRuns]
     memory: Memory
     traffic: Traffic
@@ -50,20 +54,23 @@ class PlainFrames:
     scored: FramePlan
 
     def count(self) -> Counted:
-        """Return the picture of a frame, and count its memory and traffic."""
+        """Return the pictures of a frame, and count its memory and traffic."""
         uploaded, size = self.stage.coarse, self.cell.size
         with Frame(uploaded, self.method, size, self.effects, counted=True) as frame:
             self._require_same(frame.plan, "it is counted")
-            frame.render()
-            image = frame.image()
             measured = frame.measure()
-            return Counted(
-                image,
+            image = frame.image()
+            accounts = (
                 [PassRuns(record.name, record.runs) for record in measured.passes],
                 accounting.memory(frame),
                 accounting.traffic(frame, measured),
                 accounting.shading(frame, measured),
             )
+            transmittance = None
+            if self.cell.reduced:
+                frame.render(transmittance=True)
+                transmittance = frame.image()
+            return Counted(image, transmittance, *accounts)
 
     def order_spread(self) -> dict[str, float | None]:
         """Return how far pictures of permuted draws differ, which small ones show as well."""

@@ -170,7 +170,8 @@ class Stage:
             width, height = size
             fine = (width * self.ssaa, height * self.ssaa)
             with Frame(self.at(fine[1]), self.method, fine, effects) as frame:
-                image, transmittance = with_transmittance(frame, self.ssaa)
+                image = averaged(frame, self.ssaa)
+                transmittance = averaged(frame, self.ssaa, transmittance=True)
                 blocks = frame.complexity[::-1].reshape(height, self.ssaa, width, self.ssaa)
             truth = Truth(image, self.store(EXACT, files.image_channels(image)))
             transparent = blocks.max(axis=(1, 3)) > 0
@@ -235,9 +236,7 @@ class Stage:
         )
 
 
-def with_transmittance(frame: Frame, ssaa: int) -> tuple[Image, Image]:
-    """Return the image and the transmittance alone, averaged over sub-pixels."""
-    frame.render()
-    image = files.box_downsample(frame.image(), ssaa)
-    frame.render(transmittance=True)
-    return image, files.box_downsample(frame.image(), ssaa)
+def averaged(frame: Frame, ssaa: int, transmittance: bool = False) -> Image:
+    """Render a frame, or its transmittance alone; return the picture, averaged over sub-pixels."""
+    frame.render(transmittance=transmittance)
+    return files.box_downsample(frame.image(), ssaa)

@@ -23,7 +23,7 @@ import numpy.typing as npt
 from oitbench.image import metrics
 from oitbench.report import plates
 from oitbench.report.context import ReportContext
-from oitbench.results.pictures import REDUCED, compared
+from oitbench.results.pictures import REDUCED, REDUCED_EXACT, compared
 from oitbench.results.ranking import largest_noise_floor
 from oitbench.results.records import Panel
 from oitbench.results.schema import Record
@@ -38,8 +38,6 @@ TERMS = {
 }
 """Keys of the parts of a squared error, and their names for readers."""
 _RUNGS = (COMPOSITING, EFFECTS, SHADING)
-_SAME = 1e-6
-"""Linear RMSE up to which a picture equals exact compositing."""
 _LEAST = 1 / 510
 """A smaller linear RMSE is not divided into shares: half a step of an 8-bit display."""
 
@@ -140,18 +138,11 @@ class Ladder:
         return pictures, variances
 
     def _exact(self) -> Picture | None:
-        """Return exact compositing as traced truths see it.
-
-        Where these are smaller, it is the reduced picture of a method that equals it.
-        """
-        if not any(cell.outcome and REDUCED in cell.outcome.images for cell in self.panel.finished):
-            return plates.first_image(self.context, self.panel, EXACT)
-        errors = {cell.method: cell.metric(EXACT, metrics.RMSE) for cell in self.panel.finished}
-        same = (c for c in self.panel.finished if (errors[c.method] or 0.0) <= _SAME)
-        found = (
-            self.context.results.image(c, REDUCED) for c in same if errors[c.method] is not None
-        )
-        return next((image for image in found if image is not None), None)
+        """Return exact compositing as traced truths see it."""
+        for cell in self.panel.finished:
+            if cell.outcome and REDUCED in cell.outcome.images:
+                return self.context.results.image(cell, REDUCED_EXACT)
+        return plates.first_image(self.context, self.panel, EXACT)
 
     @property
     def last(self) -> str:

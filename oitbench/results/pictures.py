@@ -8,6 +8,8 @@ PICTURE = "color"
 """Key of `Outcome.images` for the picture of the method."""
 REDUCED = "color_reduced"
 """Key of `Outcome.images` for the same picture at the size of traced truths, if that is smaller."""
+REDUCED_EXACT = "exact_reduced"
+"""Key of `Outcome.images` for exact compositing at that size."""
 
 
 def compared(outcome: Outcome, truth: str) -> str:

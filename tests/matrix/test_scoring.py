@@ -24,7 +24,7 @@ from oitbench.path_traced.references import lookup
 from oitbench.path_traced.references.storage import Reference, Rendering
 from oitbench.path_traced.references.wanted import Wanted
 from oitbench.plugins import Collection
-from oitbench.results.pictures import PICTURE, REDUCED, compared
+from oitbench.results.pictures import PICTURE, REDUCED, REDUCED_EXACT, compared
 from oitbench.results.schema import WHOLE, Outcome, Record
 from oitbench.scoring.scorer import Findings, Scorer
 from oitbench.truths import EXACT, FULL, MATCHED
@@ -208,7 +208,10 @@ def test_traced_truths_of_another_size_score_the_picture_of_that_size(
         assert found.images[truth] == small.images[truth]
         one, other = (it.images[compared(it, truth)] for it in (found, small))
         assert one.sha256 == other.sha256
-    assert found.scores[EXACT].metrics != small.scores[EXACT].metrics
+    own, same = (it.scores[EXACT].metrics for it in (found, small))
+    assert own != same
+    assert own[metrics.TRANSMITTANCE] == same[metrics.TRANSMITTANCE]
+    assert found.images[REDUCED_EXACT].sha256 == small.images[EXACT].sha256
     sizes = [files.read_exr(tmp_path / found.images[key].path).shape for key in ("color", EXACT)]
     assert sizes == [(32, 32, 3)] * 2
     assert [compared(found, truth) for truth in (EXACT, FULL)] == [PICTURE, REDUCED]

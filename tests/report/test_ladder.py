@@ -12,7 +12,7 @@ from oitbench.image import files, metrics, stored
 from oitbench.report import ladder_words
 from oitbench.report.artifacts import Figure, Table
 from oitbench.report.ladder import COMPOSITING, CROSS, EFFECTS, SHADING, Ladder, split
-from oitbench.results.pictures import PICTURE, REDUCED
+from oitbench.results.pictures import PICTURE, REDUCED, REDUCED_EXACT
 from oitbench.results.schema import EffectNames, Record
 from oitbench.results.store import IMAGES
 from oitbench.truths import EXACT, FULL, MATCHED
@@ -102,12 +102,13 @@ def test_without_full_tracing_the_ladder_ends_at_matched(tmp_path: Path) -> None
     assert "shading" not in ladder_words.words(found)
 
 
-def test_reduced_pictures_need_a_method_that_equals_exact_compositing(tmp_path: Path) -> None:
-    """Exact compositing is not stored at the size of smaller traced truths."""
-    murk = cell(tmp_path, "murk", LEVELS | {REDUCED: 0.15})
+def test_reduced_pictures_are_compared_with_each_other(tmp_path: Path) -> None:
+    """The picture and exact compositing are split at the size of the traced truths."""
+    levels = LEVELS | {PICTURE: 0.9, EXACT: 0.95, REDUCED: 0.15}
+    murk = cell(tmp_path, "murk", levels)
     assert ladder(tmp_path, murk).split(murk) is None
-    peel = cell(tmp_path, "peel", LEVELS | {PICTURE: LEVELS[EXACT], REDUCED: 0.25})
-    found = ladder(tmp_path, murk, peel).split(murk)
+    murk = cell(tmp_path, "murk", levels | {REDUCED_EXACT: 0.25})
+    found = ladder(tmp_path, murk).split(murk)
     assert found is not None
     assert found.parts[COMPOSITING] == pytest.approx(0.01, rel=1e-5)
     assert found.parts[EFFECTS] == pytest.approx(0.15**2, rel=1e-5)
