@@ -33,7 +33,12 @@ _COLUMNS = (
     Column("numbers", "Numbers", kind="prose", help="of some of the comparisons"),
     Column("held", "Held", kind="text", help="comparisons that hold, of those with results"),
     Column("section", "Section", kind="text", help="of the source"),
-    Column("figure", "Figure", kind="section", help="the section of this page that shows them"),
+    Column(
+        "figure",
+        "Figure",
+        kind="section",
+        help="the report that shows them; report --figure NAME draws one that is not here",
+    ),
     _CLAIM,
 )
 _FURTHER = (

@@ -19,6 +19,9 @@ from oitbench.report.palette import Style
 from oitbench.results.records import Panel, Results
 from oitbench.results.schema import Record
 
+METHODS = "methods"
+"""Name of the report that writes the pages of methods."""
+
 
 @dataclass(frozen=True)
 class ReportContext:
@@ -40,8 +43,8 @@ class ReportContext:
         Methods as their files describe them, by bare name; else the reason why they do not.
     bibliographies : tuple of Path
         BibTeX files with the sources of methods and claims.
-    pages : bool
-        Whether a report writes pages of methods, to which names of methods link.
+    sections : frozenset of str
+        Names of the reports on the page, to which others may link.
     single_file : bool
         Whether these pages are parts of the page, and not files.
     """
@@ -53,8 +56,13 @@ class ReportContext:
     variants: Mapping[str, str] = field(default_factory=dict)
     portraits: Mapping[str, Portrait | str] = field(default_factory=dict)
     bibliographies: tuple[Path, ...] = ()
-    pages: bool = False
+    sections: frozenset[str] = frozenset()
     single_file: bool = False
+
+    @property
+    def pages(self) -> bool:
+        """Whether a report writes pages of methods, to which names of methods link."""
+        return METHODS in self.sections
 
     @property
     def flip(self) -> str:

@@ -25,10 +25,6 @@ VIEWER = (
     "input", "viewer",
 )  # fmt: skip
 """Scripts of the viewer in `viewer/`, in the order in which the page has them."""
-
-
-METHODS = "methods"
-"""The report that writes the pages of methods, to which names of methods link if it is there."""
 _REMARKS = "Not drawn"
 HEADING = "Order-independent transparency: accuracy and cost"
 
@@ -126,7 +122,7 @@ def write(
         variants=edition.variants if edition else {},
         portraits=portraits or {},
         bibliographies=tuple(bibliographies),
-        pages=METHODS in reports,
+        sections=frozenset(reports),
         single_file=single_file,
     )
     page = out / "index.html"

@@ -83,7 +83,7 @@ def build_sections(
         dict(context.variants),
         dict(context.portraits),
         list(context.bibliographies),
-        context.pages,
+        sorted(context.sections),
         context.single_file,
     )
     count = max(1, min(len(usable_cores()), len(reports), _MOST_WORKERS))

@@ -97,6 +97,7 @@ def environment(context: ReportContext, folder: Path | None = None) -> Environme
     made.filters["code"] = _code
     made.filters["across"] = _across
     made.globals["style"] = context.style
+    made.globals["on_page"] = context.sections
     made.globals["is_dark"] = is_dark
     made.globals["citation"], made.globals["section"] = context.citation, ""
     made.globals["facts"] = lambda stack: stacks.facts(context, stack, link(stack.pixels))

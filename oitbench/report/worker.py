@@ -35,7 +35,7 @@ class Settings(Struct, frozen=True):
     variants: dict[str, str]
     portraits: dict[str, Portrait | str]
     bibliographies: list[Path]
-    pages: bool
+    sections: list[str]
     single_file: bool
 
 
@@ -75,7 +75,7 @@ def _begin(settings: Settings, on_step: OnStep) -> Callable[[BuildSection], Sect
         settings.variants,
         settings.portraits,
         tuple(settings.bibliographies),
-        settings.pages,
+        frozenset(settings.sections),
         settings.single_file,
     )
     template = environment(context).get_template("section.html")

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import csv
+from dataclasses import replace
 from pathlib import Path
 from types import ModuleType
 
 import pytest
 
 from oitbench.report.artifacts import Note, Table, write_csv
+from oitbench.report.context import ReportContext
 from oitbench.report.templates import environment
 from tests.helpers import collection
 from tests.report.made_up import context, finished
@@ -81,21 +83,31 @@ def test_hostile_texts_are_no_markup_and_no_formulas(claims: ModuleType, tmp_pat
         finished(tmp_path, scene, name, error) for name, error in (("calm", 0.1), ("wild", 0.3))
     ]
     known = context(tmp_path, cells, tmp_path)
-    page = (
-        environment(known)
-        .get_template("section.html")
-        .render(artifacts=claims.build(known), heading="")
-    )
+    page = rendered(claims, known)
     for tag in ("<script>", "<b>Me", "<img"):
         assert tag not in page
     assert "&lt;script&gt;" in page
     assert "&lt;img" in page
-    assert '<a href="#pareto">pareto</a>' in page
     found = rows(tmp_path / "claims.csv")
     assert found["calm-first"]["section"] == "'=1+1"
     assert found["calm-first"]["numbers"].startswith("'=<img")
     assert found["splats"]["said"] == "'@Splats."
     assert found["splats"]["reason"] == "'-none"
+
+
+def test_a_claim_links_to_its_figure_if_the_page_has_it(claims: ModuleType, tmp_path: Path) -> None:
+    known = context(tmp_path, [finished(tmp_path, "hall", "calm", 0.1)], tmp_path)
+    link = '<a href="#pareto">pareto</a>'
+    page = rendered(claims, known)
+    assert link not in page
+    assert ">pareto</td>" in page
+    assert link in rendered(claims, replace(known, sections=frozenset({"pareto"})))
+
+
+def rendered(claims: ModuleType, known: ReportContext) -> str:
+    """Return the section of claims."""
+    section = environment(known).get_template("section.html")
+    return section.render(artifacts=claims.build(known), heading="")
 
 
 def test_headings_of_csv_files_are_no_formulas(tmp_path: Path) -> None:
