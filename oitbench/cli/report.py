@@ -149,7 +149,7 @@ def _draw(
             if name in owners:
                 check_results(catalog, results, name, owners[name], folder)
         place = folder_of(results, out if len(folders) == 1 or out is None else out / folder.name)
-        context = ReportContext(results, place, hdr, crops)
+        context = ReportContext(results, place, hdr, crops, sheets=True)
         for section in build_sections(context, reports, timeout):
             if section.error:
                 raise DeclarationError(section.error)

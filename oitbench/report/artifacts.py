@@ -179,7 +179,7 @@ class Layer:
 
 @dataclass(frozen=True)
 class Stack:
-    """All pictures of a panel for the viewer, and the same as one figure for print.
+    """All pictures of a panel for the viewer.
 
     Parameters
     ----------
@@ -199,7 +199,9 @@ class Stack:
     crops : mapping of str to Crop
     pixels : Path
         The script that holds all pixels.
-    figure : Figure
+    title, caption : str
+    sheet : Figure, optional
+        The same pictures as one figure for print.
     """
 
     name: str
@@ -210,7 +212,9 @@ class Stack:
     size: tuple[int, int]
     crops: Mapping[str, Crop]
     pixels: Path
-    figure: Figure
+    title: str
+    caption: str
+    sheet: Figure | None = None
 
 
 @dataclass(frozen=True)

@@ -45,6 +45,10 @@ class Citation:
         chosen = f" --section {shlex.quote(section)}" if section else ""
         return (*self.commands, f"oitbench report RESULTS{chosen}")
 
+    def draw(self, section: str) -> tuple[str, ...]:
+        """Return the commands, and the one that draws the figures of a section as PNG and PDF."""
+        return (*self.commands, f"oitbench report RESULTS --figure {shlex.quote(section)}")
+
     def entry(self, figure: str) -> str:
         """Return the BibTeX entry of the suite, from its CITATION.cff, with a note on a figure."""
         title, authors, _ = _suite()

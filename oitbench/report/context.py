@@ -47,6 +47,8 @@ class ReportContext:
         Names of the reports on the page, to which others may link.
     single_file : bool
         Whether these pages are parts of the page, and not files.
+    sheets : bool
+        Draw the pictures of a scene as one figure, too, which the page does not show.
     """
 
     results: Results
@@ -58,6 +60,7 @@ class ReportContext:
     bibliographies: tuple[Path, ...] = ()
     sections: frozenset[str] = frozenset()
     single_file: bool = False
+    sheets: bool = False
 
     @property
     def pages(self) -> bool:

@@ -85,6 +85,7 @@ def build_sections(
         list(context.bibliographies),
         sorted(context.sections),
         context.single_file,
+        context.sheets,
     )
     count = max(1, min(len(usable_cores()), len(reports), _MOST_WORKERS))
     limit = memory.share(count) if memory_limit is None else memory_limit

@@ -26,14 +26,16 @@ _Owner = str | Record
 
 
 def stack(context: ReportContext, panel: Panel, *, caption: str, characters: int) -> Stack | None:
-    """Return all truths and methods of a panel, after writing their pixels and the figure.
+    """Return all truths and methods of a panel, after writing their pixels.
+
+    The figure with all of them is drawn if the context asks for sheets.
 
     Parameters
     ----------
     context : ReportContext
     panel : Panel
     caption : str
-        Of the figure.
+        Words for readers; the scale of the maps is added.
     characters : int
         Room for each preview; see `previews.room`.
 
@@ -57,6 +59,10 @@ def stack(context: ReportContext, panel: Panel, *, caption: str, characters: int
         layers.append(_layer(context, owner, item, keys, characters))
     pixels.write(script, panel.slug, stored)
     path = context.out / f"images-{panel.slug}"
+    title, words = panel.title, f"{caption} Maps: {scale.words}."
+    sheet = None
+    if context.sheets:
+        sheet = plates.draw(context, panel, shown, path, scale=scale, title=title, caption=words)
     return Stack(
         panel.slug,
         tuple(layers),
@@ -66,15 +72,9 @@ def stack(context: ReportContext, panel: Panel, *, caption: str, characters: int
         panel.size,
         context.crops_of(panel),
         script,
-        plates.draw(
-            context,
-            panel,
-            shown,
-            path,
-            scale=scale,
-            title=panel.title,
-            caption=f"{caption} Maps: {scale.words}.",
-        ),
+        title,
+        words,
+        sheet,
     )
 
 
@@ -90,7 +90,7 @@ def facts(context: ReportContext, stack: Stack, address: str) -> dict[str, Any]:
     """
     return {
         "name": stack.name,
-        "title": stack.figure.title,
+        "title": stack.title,
         "pixels": address,
         "against": stack.against,
         "metric": "HDR-FLIP" if stack.radiance else "FLIP",

@@ -37,6 +37,7 @@ class Settings(Struct, frozen=True):
     bibliographies: list[Path]
     sections: list[str]
     single_file: bool
+    sheets: bool
 
 
 class BuildSection(Struct, frozen=True, tag=True):
@@ -77,6 +78,7 @@ def _begin(settings: Settings, on_step: OnStep) -> Callable[[BuildSection], Sect
         tuple(settings.bibliographies),
         frozenset(settings.sections),
         settings.single_file,
+        settings.sheets,
     )
     template = environment(context).get_template("section.html")
 
@@ -119,7 +121,11 @@ def _begin(settings: Settings, on_step: OnStep) -> Callable[[BuildSection], Sect
 
 def _files(artifacts: Iterable[Artifact]) -> Iterator[Path]:
     for item in artifacts:
-        figure = item.figure if isinstance(item, ImageGrid | Stack) else item
+        figure: object = item
+        if isinstance(item, ImageGrid):
+            figure = item.figure
+        elif isinstance(item, Stack):
+            figure = item.sheet
         if isinstance(figure, Figure):
             yield from (figure.png, figure.pdf)
 

@@ -4,7 +4,10 @@ import re
 import warnings
 from pathlib import Path
 
-from oitbench.report import figures
+import numpy as np
+from PIL import Image
+
+from oitbench.report import figures, plates
 
 
 def draw(folder: Path, text: str) -> bytes:
@@ -35,3 +38,21 @@ def test_a_letter_that_the_small_font_lacks_comes_from_the_whole_one(tmp_path: P
 
 def test_equal_figures_have_equal_bytes(tmp_path: Path) -> None:
     assert draw(tmp_path / "one", "a") == draw(tmp_path / "two", "a")
+    one, two = ((tmp_path / name / "figure.png").read_bytes() for name in ("one", "two"))
+    assert one == two
+
+
+def test_both_files_show_the_same_at_the_resolution_of_the_screen(tmp_path: Path) -> None:
+    colors = np.array([[[1.0, 0, 0], [0, 1, 0]], [[0, 0, 1], [1, 1, 1]]])
+    with figures.canvas(3, 2, by_hand=True) as canvas:
+        plates.draw_picture(canvas, colors, 1.0, 0.5, 1.0)
+        figure = figures.save(canvas, tmp_path / "figure", title="", caption="")
+    with Image.open(figure.png) as opened:
+        pixels = np.asarray(opened.convert("RGB"))
+    per_inch = figures.DOTS_PER_INCH
+    assert pixels.shape == (2 * per_inch, 3 * per_inch, 3)
+    picture = pixels[per_inch // 2 : 3 * per_inch // 2, per_inch : 2 * per_inch]
+    expected = np.kron(255 * colors, np.ones((per_inch // 2, per_inch // 2, 1)))
+    np.testing.assert_array_equal(picture, expected)
+    background = pixels.sum(dtype=np.int64) - picture.sum(dtype=np.int64)
+    assert background == 255 * (pixels.size - picture.size)

@@ -91,9 +91,14 @@ def test_every_link_has_a_target(page: Path) -> None:
 
 def test_figures_are_png_and_pdf_and_tables_csv(page: Path) -> None:
     made = {path.name for path in page.parent.iterdir()}
-    for name in ("pareto", "images", "memory", "traffic"):
+    for name in ("pareto", "memory", "traffic"):
         assert {f"{name}-01-panes.png", f"{name}-01-panes.pdf"} <= made
     assert {"table.csv", "pareto.csv", "memory.csv", "traffic.csv"} <= made
+
+
+def test_sheets_of_pictures_are_drawn_on_request(page: Path) -> None:
+    assert not list(page.parent.glob("images-*"))
+    assert "oitbench report RESULTS --figure images" in page.read_text(encoding="utf-8")
 
 
 def test_no_cell_and_no_reason_is_left_out(page: Path, folder: Path) -> None:

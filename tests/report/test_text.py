@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+from dataclasses import replace
 from pathlib import Path
 
 import msgspec
@@ -73,10 +74,11 @@ def narrow(folder: Path, size: tuple[int, int]) -> Record:
 
 @pytest.mark.parametrize("size", [(1, 700), (700, 1)])
 def test_narrow_pictures_make_no_huge_figure(tmp_path: Path, size: tuple[int, int]) -> None:
-    cells = [narrow(tmp_path, size)]
-    grids = Collection.load().reports["images"].build(context(tmp_path, cells, tmp_path))
+    known = replace(context(tmp_path, [narrow(tmp_path, size)], tmp_path), sheets=True)
+    grids = Collection.load().reports["images"].build(known)
     (grid,) = [item for item in grids if isinstance(item, Stack)]
-    with Image.open(grid.figure.png) as figure:
+    assert grid.sheet is not None
+    with Image.open(grid.sheet.png) as figure:
         assert max(figure.size) < 15 * figures.DOTS_PER_INCH
 
 
