@@ -1,7 +1,8 @@
 """All methods beside exact compositing, with their differences from it times eight.
 
 A row of pictures for each scene, and below each picture |method − exact| of the displayed colors,
-enhanced by a factor of eight and clipped. The number is mean FLIP against exact compositing.
+enhanced by a factor of eight and clipped. The number is mean FLIP against exact compositing. Where
+there are many columns, each method has one; the viewer shows all.
 """
 
 from __future__ import annotations
@@ -28,6 +29,8 @@ _ROWS = 4
 """Scenes in one figure."""
 _WIDTH, _WIDEST = 13.0, 2.4
 """Inches: of all pictures of a row, and the most for one."""
+MOST = 16
+"""Columns beyond which each method has one alone."""
 _LABEL, _NAME, _GAP = 0.34, 0.22, 0.06
 """Inches: room above the first row, above each row, and between pictures."""
 
@@ -47,7 +50,8 @@ def build(context: ReportContext) -> list[Artifact]:
     if not rows:
         return [Note("No scene has a picture of exact compositing yet.")]
     groups = [rows[start : start + _ROWS] for start in range(0, len(rows), _ROWS)]
-    return [_figure(context, group, number) for number, group in enumerate(groups, 1)]
+    labels = columns(context, [*dict.fromkeys(label for row in rows for label in row.cells)])
+    return [_figure(context, group, labels, number) for number, group in enumerate(groups, 1)]
 
 
 def _rows(context: ReportContext) -> Iterator[_Row]:
@@ -57,9 +61,22 @@ def _rows(context: ReportContext) -> Iterator[_Row]:
             yield _Row(panel, exact, {cell.method: cell for cell in panel.finished})
 
 
-def _figure(context: ReportContext, rows: Sequence[_Row], number: int) -> Figure:
+def columns(context: ReportContext, labels: Sequence[str]) -> list[str]:
+    """Return the labels that are drawn: if there are many, those with defaults, or the first."""
+    if len(labels) <= MOST:
+        return [*labels]
+    chosen: dict[str, str] = {}
+    for label in labels:
+        name = context.names[label]
+        if label == name or name not in chosen:
+            chosen[name] = label
+    return [label for label in labels if label in chosen.values()]
+
+
+def _figure(
+    context: ReportContext, rows: Sequence[_Row], labels: Sequence[str], number: int
+) -> Figure:
     """Draw the rows of some scenes; a method that lacks one leaves a gap there."""
-    labels = [*dict.fromkeys(label for row in rows for label in row.cells)]
     width = min(_WIDEST, _WIDTH / (len(labels) + 1) - _GAP)
     sizes = [plates.fitted(row.panel.size, width) for row in rows]
     heights = [_NAME + 2 * tall + 2 * _GAP for _, tall in sizes]
@@ -91,15 +108,15 @@ def _draw_row(
     """Draw the pictures of a scene from `box`: top, width and height of the first, in inches."""
     top, width, tall = box
     stops = plates.exposure(row.panel.finished)
-    plates.draw_picture(canvas, plates.display(row.exact, stops), plates.MARGIN, top, width)
+    exact = plates.display(row.exact, stops)
+    plates.draw_picture(canvas, exact, plates.MARGIN, top, width)
     for place, label in enumerate(labels, 1):
         left = plates.MARGIN + place * (width + _GAP)
         picture = context.results.image(row.cells[label], "color") if label in row.cells else None
         if picture is None:
             continue
-        plates.draw_picture(canvas, plates.display(picture, stops), left, top, width)
-        below = top + tall + _GAP / 2
-        apart = difference(plates.display(picture, stops), plates.display(row.exact, stops))
-        plates.draw_picture(canvas, apart, left, below, width)
+        shown = plates.display(picture, stops)
+        plates.draw_picture(canvas, shown, left, top, width)
+        plates.draw_picture(canvas, difference(shown, exact), left, top + tall + _GAP / 2, width)
         for value in plates.error_text(context, row.cells[label], EXACT):
             plates.write(canvas, value, left, top - 0.03, 6)

@@ -18,6 +18,7 @@ from oitbench.report import figures
 from oitbench.report.artifacts import Figure, ImageGrid, Tile, decimal, fixed
 from oitbench.report.context import ReportContext
 from oitbench.report.error_maps import MapScale
+from oitbench.report.pixels import Codes, display_codes
 from oitbench.results.pictures import PICTURE, compared
 from oitbench.results.ranking import largest_noise_floor, truth_label
 from oitbench.results.records import Panel
@@ -249,13 +250,13 @@ class _Layout:
 
 
 def draw_picture(canvas: Canvas, image: Image, left: float, top: float, width: float) -> None:
-    """Draw an image without axes.
+    """Draw an image without axes; pixels that are smaller than dots are averaged.
 
     Parameters
     ----------
     canvas : Canvas
     image : array, shape (h, w, 3)
-        sRGB-encoded.
+        sRGB-encoded, in [0, 1].
     left, top, width : float
         Inches from the upper left corner of the figure; the height follows.
     """
@@ -266,8 +267,17 @@ def draw_picture(canvas: Canvas, image: Image, left: float, top: float, width: f
     bounds = Bbox.from_bounds(*_box(canvas, left, top, width, height))
     # Axes around each picture would take half of the time of a figure.
     picture = BboxImage(TransformedBbox(bounds, canvas.transFigure), interpolation="nearest")
-    picture.set_data(image)
+    picture.set_data(_legible(image, width))
     canvas.add_artist(picture)
+
+
+def _legible(image: Image, width: float) -> Codes:
+    """Return the levels of a picture; those of several pixels for each dot are averaged."""
+    from PIL import Image as Picture
+
+    levels = display_codes(image)
+    factor = int(image.shape[1] / (width * figures.DOTS_PER_INCH))
+    return levels if factor < 2 else np.asarray(Picture.fromarray(levels).reduce(factor))
 
 
 def write(

@@ -33,6 +33,16 @@ def test_five_scenes_take_two_figures_that_tolerate_missing_cells(tmp_path: Path
         assert (tmp_path / f"differences-{number}.png").stat().st_size > 1000
 
 
+def test_of_many_settings_of_a_method_one_is_drawn(tmp_path: Path) -> None:
+    report = Collection.load().reports["differences"]
+    glows = [f"glow[k={k}]" for k in range(report.MOST)]
+    labels = [*glows[:2], "glow", "murk[k=2]", "murk[k=1]", *glows[2:]]
+    cells = [finished(tmp_path, "calm", label, 0.1) for label in labels]
+    known = context(tmp_path, cells, tmp_path)
+    assert report.columns(known, labels) == ["glow", "murk[k=2]"]
+    assert report.columns(known, labels[: report.MOST]) == labels[: report.MOST]
+
+
 def test_without_exact_pictures_there_is_a_note(tmp_path: Path) -> None:
     cells = [unfinished("scene", "glow")]
     (note,) = Collection.load().reports["differences"].build(context(tmp_path, cells, tmp_path))
