@@ -36,8 +36,8 @@ def command(
     """Compare RESULTS with BASELINE, a baseline file or another results folder.
 
     The exit code is 1 if a quality metric became worse by more than its tolerance, if a count
-    changed, or if a cell is on one side only. Differences of method times are printed, but never
-    change the exit code.
+    changed, or if RESULTS lacks a cell. New cells and differences of method times are printed, but
+    never change the exit code.
     """
     from oitbench.results.comparison import compare
 

@@ -20,9 +20,9 @@ from oitbench.results.baseline import Entry, Row, Snapshot
 from oitbench.results.schema import FINISHED, WHOLE
 from oitbench.truths import TRUTHS
 
-MISSING, ORPHANED, CHANGED, LOST, WORSE = "missing", "orphaned", "changed", "lost", "worse"
-BETTER, SLOWER, FASTER = "better", "slower", "faster"
-REGRESSIONS = frozenset({MISSING, ORPHANED, CHANGED, LOST, WORSE})
+MISSING, CHANGED, LOST, WORSE = "missing", "changed", "lost", "worse"
+ADDED, BETTER, SLOWER, FASTER = "added", "better", "slower", "faster"
+REGRESSIONS = frozenset({MISSING, CHANGED, LOST, WORSE})
 """Verdicts that fail a comparison; the others are only reported."""
 
 
@@ -91,9 +91,9 @@ class Difference:
     before, now : int, float, str or None
         The values of the baseline and of the run.
     verdict : str
-        Regressions are "missing" (only in the baseline), "orphaned" (only in the run), "changed" (a
-        value that must not change), "lost" (a value that no longer exists) and "worse"; the others
-        are "better", "slower" and "faster".
+        Regressions are "missing" (only in the baseline), "changed" (a value that must not change),
+        "lost" (a value that no longer exists) and "worse"; the others are "added" (only in the
+        run), "better", "slower" and "faster".
     allowed : float, optional
         The largest change that counts as none; None for texts, times and whole cells.
     """
@@ -141,6 +141,11 @@ class Comparison:
         return tuple(item for item in self.differences if item.verdict == BETTER)
 
     @property
+    def additions(self) -> tuple[Difference, ...]:
+        """Cells that only the run has."""
+        return tuple(item for item in self.differences if item.verdict == ADDED)
+
+    @property
     def passed(self) -> bool:
         """Whether nothing regressed."""
         return not self.regressions
@@ -159,6 +164,8 @@ class Comparison:
     def __str__(self) -> str:
         text = f"{self.cells} cells compared, {_count(self.regressions, 'regression')}"
         text += f", {_count(self.improvements, 'improvement')}"
+        if self.additions:
+            text += f", {_count(self.additions, 'new cell')}"
         if self.before != self.now:
             text += f"; the baseline is of '{self.before}', this run of '{self.now}'"
         return text
@@ -187,7 +194,7 @@ def compare(results: Path | str, baseline: Path | str) -> Comparison:
 def compare_snapshots(now: Snapshot, before: Snapshot) -> Comparison:
     """Compare the cells of a run with those of a baseline."""
     found = [Difference(cell, "", None, None, MISSING) for cell in before.rows.keys() - now.rows]
-    found += [Difference(cell, "", None, None, ORPHANED) for cell in now.rows.keys() - before.rows]
+    found += [Difference(cell, "", None, None, ADDED) for cell in now.rows.keys() - before.rows]
     counts = SAME_COUNTS if now.renderer == before.renderer else OTHER_COUNTS
     limits = _tolerances(now, before)
     common = before.rows.keys() & now.rows.keys()

@@ -168,13 +168,18 @@ def test_metrics_that_the_baseline_lacks_are_not_compared(before: Path) -> None:
     assert compared(before, exact(metrics.ORDER_SPREAD_MAX, 0.5)).differences == ()
 
 
-def test_missing_and_orphaned_cells_are_differences(before: Path) -> None:
-    now = write(before.parent / "now", [record("mean"), record("peel[layers=9]")])
-    comparison = oitbench.compare(now, before)
+def test_missing_cells_are_regressions_and_new_ones_are_not(before: Path) -> None:
+    new, folder = record("peel[layers=9]"), before.parent / "now"
+    comparison = oitbench.compare(write(folder, [record("mean"), new]), before)
     assert comparison.cells == 1
-    orphan = BETA.replace("=8]", "=9]")
-    assert set(found(comparison)) == {("missing", BETA, ""), ("orphaned", orphan, "")}
+    added = ("added", BETA.replace("=8]", "=9]"), "")
+    assert set(found(comparison)) == {("missing", BETA, ""), added}
     assert not comparison.passed
+    kept = [record("mean"), record("peel[layers=8]")]
+    comparison = oitbench.compare(write(folder, [*kept, new]), before)
+    assert found(comparison) == [added]
+    assert comparison.passed
+    assert str(comparison) == "2 cells compared, 0 regressions, 0 improvements, 1 new cell"
 
 
 def test_a_change_of_time_is_a_difference_that_does_not_fail(before: Path) -> None:

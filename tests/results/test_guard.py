@@ -161,6 +161,7 @@ def test_every_method_reproduces_the_baseline(tmp_path: Path) -> None:
     now = guard.sound(baseline.read(tmp_path), tmp_path)
     comparison = regression.compare_snapshots(now, before)
     assert comparison.passed, "\n".join(map(str, comparison.regressions))
+    assert not comparison.additions, "commit the new cells: python -m tests.guard"
 
 
 @pytest.mark.parametrize("field", ["status", "exact.rmse_lin", "fragments"])

@@ -12,7 +12,7 @@ from oitbench.report.context import ReportContext
 from oitbench.report.page import VIEWER, facts_of
 from oitbench.report.templates import environment
 from oitbench.results import baseline
-from oitbench.results.comparison import MISSING, ORPHANED, Comparison
+from oitbench.results.comparison import ADDED, MISSING, Comparison
 from oitbench.results.records import Results
 
 _TILES = 4
@@ -89,7 +89,7 @@ def _title(pair: pictures.Pair) -> str:
 def _sentence(comparison: Comparison) -> str:
     """Return how many values changed by verdict, and how many cells one side has alone."""
     counts = Counter(item.verdict for item in comparison.differences)
-    added, removed = counts.pop(ORPHANED, 0), counts.pop(MISSING, 0)
+    added, removed = counts.pop(ADDED, 0), counts.pop(MISSING, 0)
     values = ", ".join(f"{count} {verdict}" for verdict, count in counts.items()) or "none changed"
     cells = f"{comparison.cells} cell{'' if comparison.cells == 1 else 's'} compared"
     return f"{cells}; values: {values}; cells added: {added}, removed: {removed}."

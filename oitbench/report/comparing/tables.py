@@ -7,7 +7,7 @@ from pathlib import Path
 
 from oitbench.parameters import natural
 from oitbench.report.artifacts import Column, Row, Table, write_table
-from oitbench.results.comparison import MISSING, ORPHANED, Comparison, Difference
+from oitbench.results.comparison import ADDED, MISSING, Comparison, Difference
 from oitbench.results.schema import WHOLE, Record
 from oitbench.truths import TRUTHS
 
@@ -78,11 +78,11 @@ def changes(comparison: Comparison, records: Mapping[str, Record], out: Path) ->
 def lone(comparison: Comparison, records: Mapping[str, Record], out: Path) -> list[Table]:
     """Write tables of the methods with cells that only one side has: added and removed ones."""
     tables = []
-    for verdict, word in ((ORPHANED, "added"), (MISSING, "removed")):
+    for verdict, word in ((ADDED, "added"), (MISSING, "removed")):
         cells = [item.cell for item in comparison.differences if item.verdict == verdict]
         rows = _by_method(cells, records)
         if rows:
-            side = "after" if verdict == ORPHANED else "before"
+            side = "after" if verdict == ADDED else "before"
             caption = f"Cells that only the run {side} has."
             path = out / f"changes-{word}.csv"
             title = word.capitalize()
