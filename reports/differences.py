@@ -7,14 +7,13 @@ there are many columns, each method has one; the viewer shows all.
 
 from __future__ import annotations
 
-import textwrap
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from oitbench.image.files import Image
 from oitbench.papers.plates import FACTOR, difference
-from oitbench.report import Artifact, Figure, Note, ReportContext, figures, plates
+from oitbench.report import Artifact, Figure, Note, ReportContext, figures, fixed, plates
 from oitbench.results.records import Panel
 from oitbench.results.schema import Record
 from oitbench.truths import EXACT
@@ -31,8 +30,12 @@ _WIDTH, _WIDEST = 13.0, 2.4
 """Inches: of all pictures of a row, and the most for one."""
 MOST = 16
 """Columns beyond which each method has one alone."""
-_LABEL, _NAME, _GAP = 0.34, 0.22, 0.06
-"""Inches: room above the first row, above each row, and between pictures."""
+_LABEL, _TITLE, _NAME, _GAP = 0.4, 0.18, 0.32, 0.06
+"""Inches: room above the first row, for the name of a scene, for that and numbers, and between
+pictures."""
+_POINTS = 6
+_LETTERS = 20
+"""Size of labels, and the letters of one for each inch."""
 
 
 @dataclass(frozen=True)
@@ -85,9 +88,11 @@ def _figure(
         top = _LABEL
         for place, label in enumerate(["exact", *labels]):
             left = plates.MARGIN + place * (width + _GAP)
-            plates.write(canvas, textwrap.fill(label, max(8, int(14 * width))), left, top - 0.03, 7)
+            heading = "\n".join(plates.lines_of(label, int(_LETTERS * width)))
+            plates.write(canvas, heading, left, top - 0.03, _POINTS)
         for row, (_, tall), height in zip(rows, sizes, heights, strict=True):
-            plates.write(canvas, row.panel.title, plates.MARGIN, top + _NAME - 0.03, 7.5)
+            heading = row.panel.title
+            plates.write(canvas, heading, plates.MARGIN, top + _TITLE - 0.03, 7.5, bold=True)
             _draw_row(context, canvas, row, labels, (top + _NAME, width, tall))
             top += height
         caption = (
@@ -118,5 +123,6 @@ def _draw_row(
         shown = plates.display(picture, stops)
         plates.draw_picture(canvas, shown, left, top, width)
         plates.draw_picture(canvas, difference(shown, exact), left, top + tall + _GAP / 2, width)
-        for value in plates.error_text(context, row.cells[label], EXACT):
-            plates.write(canvas, value, left, top - 0.03, 6)
+        error = row.cells[label].metric(EXACT, context.flip)
+        if error is not None:
+            plates.write(canvas, fixed(error, 4), left, top - 0.03, _POINTS)

@@ -1,13 +1,16 @@
-"""The picture of every method beside the traced ones, for the phenomena of transparency.
+"""Pictures of methods beside the traced ones, for the phenomena of transparency.
 
-Only scenes appear that request more effects than coverage. The maps show FLIP against matched
+Only scenes appear that request more effects than coverage. Of methods that miss the same effects,
+the one with the least error is shown. The maps show FLIP against matched
 tracing: it has exactly the light transport that the effects stand for. Full path tracing has all of
 it, and is context.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+import textwrap
+from collections.abc import Iterable, Sequence
 
 from oitbench.report import Artifact, Figure, Note, ReportContext, figures, plates
 from oitbench.report.cells import effect_label, effect_labels, most_complete
@@ -23,6 +26,8 @@ _COVERAGE, _DIFFUSION = "COVERAGE", "DIFFUSION"
 # Inches: a picture as wide as the page, and the room for its label.
 _WIDTH = 9.24
 _LABEL = 0.24
+_LETTERS = 26
+"""Length of a line below a picture."""
 
 
 def build(context: ReportContext) -> list[Artifact]:
@@ -52,21 +57,44 @@ def _plates(context: ReportContext, panel: Panel) -> list[Artifact]:
 
 
 def _methods(context: ReportContext, panel: Panel) -> Artifact:
-    """Return the plate of all methods, with all effects that the scene requests."""
+    """Return the plate of one method for each set of effects that methods miss."""
     folder = context.out / "phenomena" / panel.slug
     shown = [plates.show_truth(context, panel, truth, folder) for truth in TRACED]
     scale = scale_of(panel.finished, MATCHED, context.flip)
-    for cell in panel.finished:
-        requested, missing = len(cell.requested_effects), len(cell.missing_effects)
-        text = f"misses {missing} of {requested} effects" if missing else "all effects"
-        values = (*plates.error_text(context, cell, MATCHED), text)
+    for missing, cell in best_by_missing_effects(panel.finished, context.flip).items():
+        text = f"misses {effect_labels(missing)}" if missing else "all effects"
+        values = (*plates.error_text(context, cell, MATCHED), *textwrap.wrap(text, _LETTERS))
         shown.append(plates.show_cell(context, cell, MATCHED, folder, values=values, scale=scale))
     caption = (
         f"Effects that the scene requests: {effect_labels(panel.finished[0].requested_effects)}. "
+        "Of methods that miss the same ones, the plate has the one with the least error. "
         f"{_reading(context, MATCHED, scale)}"
     )
     path = context.out / f"phenomena-{panel.slug}"
     return plates.grid(context, panel, shown, path, scale=scale, title=panel.title, caption=caption)
+
+
+def best_by_missing_effects(cells: Iterable[Record], metric: str) -> dict[tuple[str, ...], Record]:
+    """Return the cell with the least error against matched tracing for each set of missing effects.
+
+    Parameters
+    ----------
+    cells : iterable of Record
+        Of one scene.
+    metric : str
+
+    Returns
+    -------
+    dict of tuple of str to Record
+        Small sets first.
+    """
+    best: dict[tuple[str, ...], tuple[float, Record]] = {}
+    for cell in cells:
+        error, missing = cell.metric(MATCHED, metric), tuple(cell.missing_effects)
+        key = math.inf if error is None else error
+        if missing not in best or key < best[missing][0]:
+            best[missing] = key, cell
+    return {missing: best[missing][1] for missing in sorted(best, key=lambda m: (len(m), m))}
 
 
 def _ablations(context: ReportContext, panel: Panel, complete: Record) -> Artifact:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 import textwrap
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -349,10 +350,19 @@ def _heading(label: str) -> str:
     """Break a long label before its parameters, or between words."""
     if len(label) <= _LABEL_WIDTH:
         return label
-    name, bracket, parameters = label.partition("[")
-    if not bracket and " " in label:
+    if "[" not in label and " " in label:
         return textwrap.fill(label, _LABEL_WIDTH)
-    return "\n".join([name[:_LABEL_WIDTH], bracket + parameters])
+    return "\n".join(lines_of(label, _LABEL_WIDTH))
+
+
+def lines_of(label: str, letters: int) -> list[str]:
+    """Return the label of a method as lines; they end at underscores and before parameters."""
+    lines = [""]
+    for part in re.findall(r"\[.*|[^_\[]+_?|_", label):
+        if lines[-1] and len(lines[-1] + part) > letters:
+            lines.append("")
+        lines[-1] += part
+    return lines
 
 
 def _draw_scale(canvas: Canvas, layout: _Layout, name: str, scale: MapScale) -> None:

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import msgspec
 import numpy as np
+import pytest
 
 from oitbench.image import files, metrics, stored
 from oitbench.report import plates
@@ -54,3 +55,20 @@ def test_the_scale_of_large_errors_ends_at_one(tmp_path: Path) -> None:
     assert scale.top == 1.0
     assert [*scale.ticks.values()] == ["0", "0.0625", "0.25", "0.5625", "1"]
     assert "or more" not in scale.words
+
+
+@pytest.mark.parametrize(
+    ("label", "lines"),
+    [
+        ("adaptive[nodes=4]", ["adaptive", "[nodes=4]"]),
+        ("multilayer_alpha", ["multilayer_", "alpha"]),
+        ("dual_depth_peeling", ["dual_depth_", "peeling"]),
+        ("phenomenological", ["phenomenological"]),
+        ("_odd__name", ["_odd__name"]),
+    ],
+)
+def test_labels_end_lines_at_underscores_and_before_parameters(
+    label: str, lines: list[str]
+) -> None:
+    assert plates.lines_of(label, 11) == lines
+    assert plates.lines_of(label, 99) == [label]

@@ -133,7 +133,7 @@ def of_outcome(outcome: Outcome, size: tuple[int, int]) -> Outline:
 
 def _access(resource: str, kinds: set[str]) -> Access:
     reads = bool(kinds & {"read", "blend", "atomic"})
-    writes = bool(kinds & {"write", "atomic"})
+    writes = bool(kinds & {"write", "atomic", "clear"})
     return Access(resource, reads, writes, "blend" if "blend" in kinds else _WORDS[reads, writes])
 
 

@@ -64,15 +64,21 @@ def test_accounts_give_a_diagram_too() -> None:
                 TrafficTerm("clear", "sum", "clear", 12, 8, 96),
                 TrafficTerm("gather", "sum", "blend", 5, 8, 40),
                 TrafficTerm("gather", "sum", "write", 5, 8, 40),
+                TrafficTerm("gather", "depth", "clear", 12, 4, 48),
                 TrafficTerm("resolve", "sum.x", "read", 12, 8, 96),
                 TrafficTerm("resolve", "color", "write", 12, 16, 192),
             ],
         ),
     )
     found = of_outcome(outcome, (4, 3))
-    assert found.storages == [Storage("sum", "", 64.0), Storage("color", "", 128, shared=True)]
+    assert found.storages == [
+        Storage("sum", "", 64.0), Storage("depth", "", 32, shared=True),
+        Storage("color", "", 128, shared=True),
+    ]  # fmt: skip
     gather, resolve = found.passes
-    assert gather.accesses == [Access("sum", True, True, "blend")]
+    assert gather.accesses == [
+        Access("sum", True, True, "blend"), Access("depth", False, True, "write")
+    ]  # fmt: skip
     assert resolve.accesses == [
         Access("sum", True, False, "read"), Access("color", False, True, "write")
     ]  # fmt: skip
