@@ -1,7 +1,7 @@
 """What a method stores for a picture: its targets, as their views show them, and its shadow map.
 
-Only methods that declare views appear, each with the first of its cells in a scene. The frames are
-drawn for this page, one sample per pixel, by the same code as `oitbench render --target`, with the
+Only methods that declare views appear, each with the first of its cells in a scene. Of scenes in
+which the same effects run, which need the same targets, the first is shown. The frames are drawn for this page, one sample per pixel, by the same code as `oitbench render --target`, with the
 published form of translucent shadows. The text below a picture is its range. For phenomenological
 transparency, McGuire & Mara 2017 show these targets in figures 12 (bottles: accumulated light and
 transmittance), 19 (chess: refraction), 21 (door and street: diffusion) and 25, and the stochastic
@@ -49,15 +49,19 @@ _TEXT_WIDTH = 36
 
 
 def build(context: ReportContext) -> list[Artifact]:
-    """Draw one plate for each method with views, in each scene."""
+    """Draw one plate for each method with views and each set of effects that run."""
     from oitbench.plugins import Collection
 
     collection = Collection.load()
-    drawn = [
-        _plate(context, panel, cell)
-        for panel in context.results.panels()
-        for cell in _cells(collection, panel)
-    ]
+    drawn: list[Artifact] = []
+    known: set[tuple[str, frozenset[str]]] = set()
+    for panel in context.results.panels():
+        for cell in _cells(collection, panel):
+            running = frozenset(cell.requested_effects) - frozenset(cell.missing_effects)
+            if (cell.name, running) not in known:
+                drawn.append(_plate(context, panel, cell))
+                if isinstance(drawn[-1], ImageGrid):
+                    known.add((cell.name, running))
     return drawn or [Note("No finished cell belongs to a method that declares views.")]
 
 

@@ -33,9 +33,10 @@ MOST = 16
 _LABEL, _TITLE, _NAME, _GAP = 0.4, 0.18, 0.32, 0.06
 """Inches: room above the first row, for the name of a scene, for that and numbers, and between
 pictures."""
-_POINTS = 6
-_LETTERS = 20
-"""Size of labels, and the letters of one for each inch."""
+_SMALL, _POINTS = 5, 6
+"""Sizes of labels and of numbers."""
+_LETTERS = 24
+"""Letters of a label for each inch."""
 
 
 @dataclass(frozen=True)
@@ -89,7 +90,7 @@ def _figure(
         for place, label in enumerate(["exact", *labels]):
             left = plates.MARGIN + place * (width + _GAP)
             heading = "\n".join(plates.lines_of(label, int(_LETTERS * width)))
-            plates.write(canvas, heading, left, top - 0.03, _POINTS)
+            plates.write(canvas, heading, left, top - 0.03, _SMALL)
         for row, (_, tall), height in zip(rows, sizes, heights, strict=True):
             heading = row.panel.title
             plates.write(canvas, heading, plates.MARGIN, top + _TITLE - 0.03, 7.5, bold=True)

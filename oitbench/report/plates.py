@@ -356,9 +356,13 @@ def _heading(label: str) -> str:
 
 
 def lines_of(label: str, letters: int) -> list[str]:
-    """Return the label of a method as lines; they end at underscores and before parameters."""
+    """Return the label of a method as lines, which end at underscores and before parameters.
+
+    Only words with more letters than a line are broken.
+    """
+    words = re.findall(r"\[.*|[^_\[]+_?|_", label)
     lines = [""]
-    for part in re.findall(r"\[.*|[^_\[]+_?|_", label):
+    for part in (word[k : k + letters] for word in words for k in range(0, len(word), letters)):
         if lines[-1] and len(lines[-1] + part) > letters:
             lines.append("")
         lines[-1] += part

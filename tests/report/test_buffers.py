@@ -40,10 +40,13 @@ def test_a_cell_that_cannot_be_drawn_costs_only_its_own_plate(tmp_path: Path) ->
         finished(tmp_path, scene, METHOD, 0.1, name="phenomenological")
         for scene in ("panes", "glass_bars")
     ]
+    # The third scene needs the same targets as the second.
+    cells.append(finished(tmp_path, "tumblers", METHOD, 0.1, name="phenomenological"))
     lost, drawn = BUFFERS.build(context(tmp_path, cells, tmp_path))
     assert isinstance(lost, Note)
     assert lost.text.startswith(f"panes: {METHOD}: unknown scene 'panes'")
     assert isinstance(drawn, ImageGrid)
+    assert drawn.figure.title.startswith("glass_bars")
 
 
 @pytest.mark.parametrize("name", ["murk", "alpha_blend"])

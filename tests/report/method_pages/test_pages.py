@@ -234,5 +234,5 @@ def test_without_pages_names_do_not_link(folder: Path, tmp_path: Path) -> None:
 
 def test_figures_say_how_to_cite_them(page: Path) -> None:
     text = words(page)
-    assert "oitbench report RESULTS --section images" in text
+    assert "oitbench report RESULTS --figure images" in text
     assert "@software{oitbench," in text
