@@ -1,7 +1,8 @@
 """What a method stores for a picture: its targets, as their views show them, and its shadow map.
 
 Only methods that declare views appear, each with the first of its cells in a scene. Of scenes in
-which the same effects run, which need the same targets, the first is shown. The frames are drawn for this page, one sample per pixel, by the same code as `oitbench render --target`, with the
+which the same effects run, which need the same targets, the first is shown. The frames are drawn
+for this page, one sample per pixel, by the same code as `oitbench render --target`, with the
 published form of translucent shadows. The text below a picture is its range. For phenomenological
 transparency, McGuire & Mara 2017 show these targets in figures 12 (bottles: accumulated light and
 transmittance), 19 (chess: refraction), 21 (door and street: diffusion) and 25, and the stochastic
