@@ -265,8 +265,11 @@ def timing_seconds(rounds: Sequence[float], schedule: Schedule) -> float:
     in_budget = math.floor(schedule.budget / whole) + 1 - WARM_UP if whole > 0 else schedule.rounds
     seconds = whole
     for one in rounds:
-        least = LEAST_OF_SLOW if one / _TASKS > SLOW else LEAST
-        seconds += one * (WARM_UP + min(schedule.rounds, max(least, in_budget)))
+        if one / _TASKS > SLOW:  # Then most frames are timed by their passes alone.
+            count = 1 + min(schedule.rounds, max(LEAST_OF_SLOW, in_budget))
+            seconds += one / _TASKS * count
+        else:
+            seconds += one * (WARM_UP + min(schedule.rounds, max(LEAST, in_budget)))
     return seconds
 
 

@@ -4,8 +4,8 @@ All frames of a scene are timed together. In each round every method is timed tw
 by its passes. So are the shadow maps and the ambient occlusion, which all methods share, once for
 each set of effects. The opaque picture is timed once for each number format and sample count.
 
-A frame that takes more than a second is timed by its passes alone: the waits between them are
-nothing against it.
+A slow frame is timed by its passes alone if they take 10 ms or more on average: the waits between
+them are nothing against that.
 """
 
 from __future__ import annotations
@@ -27,6 +27,8 @@ from oitbench.results.times import DISTURBED, Block, PassTime, Processor, Time
 
 OPAQUE_PICTURE = "opaque picture"
 """Name of the part of shading that is timed by itself."""
+_LONG_LAP = 10.0
+"""Milliseconds of a pass beside which the wait at its end is nothing."""
 _Kind = Literal["method", "passes", "opaque", "shading", "stages"]
 _Task = tuple[_Kind, Hashable]
 
@@ -95,7 +97,7 @@ def measure(
     now : callable
         Returns the time in seconds, by which the number of rounds is chosen.
     """
-    tasks = _tasks(frames, clock, now)
+    tasks = _tasks(frames, clock)
     attempts = [_attempt(tasks, schedule, meter, now)]
     if attempts[0].disturbed:
         attempts.append(_attempt(tasks, schedule, meter, now))
@@ -121,13 +123,11 @@ def _tasks_of(name: str, frame: Frame) -> dict[_Kind, _Task]:
     return {kind: (kind, key) for kind, key in keys.items()}
 
 
-def _tasks(
-    frames: Mapping[str, Frame], clock: Clock, now: Callable[[], float]
-) -> dict[_Task, Callable[[], object]]:
+def _tasks(frames: Mapping[str, Frame], clock: Clock) -> dict[_Task, Callable[[], object]]:
     """Return the tasks of all frames; frames with the same shading share its tasks."""
     found: dict[_Task, Callable[[], object]] = {}
     for name, frame in frames.items():
-        method = _TimedMethod(frame, clock, now)
+        method = _TimedMethod(frame, clock)
         run: dict[_Kind, Callable[[], object]] = {
             "method": method.whole,
             "passes": method.passes,
@@ -143,27 +143,23 @@ def _tasks(
 class _TimedMethod:
     """Times everything that a method does in a frame, on the opaque picture as it is.
 
-    `long` is known after the first frame, which does not count.
+    `long` says whether it is timed by its passes alone. The first frame, which does not count,
+    shows it.
     """
 
     frame: Frame
     clock: Clock
-    now: Callable[[], float]
     long: bool | None = None
 
     def whole(self) -> MethodSample:
-        """Time the whole frame; a long one by its passes."""
-        if self.long:
-            self.frame.restore()
-            sort = _time_sort(self.frame, self.clock)
-            passes = self.clock.parts(self.frame.composite)
-            gpu = passes.total if self.clock.name == "gpu" else None
-            return MethodSample(sort, Drawn(passes.total, gpu), passes)
-        start = self.now()
-        sample = time_method(self.frame, self.clock)
-        if self.long is None:
-            self.long = self.now() - start > rounds.SLOW
-        return sample
+        """Time the whole frame; a long one, and the first one, by its passes."""
+        if self.long is False:
+            return time_method(self.frame, self.clock)
+        self.frame.restore()
+        sort = _time_sort(self.frame, self.clock)
+        passes = self._parts()
+        gpu = passes.total if self.clock.name == "gpu" else None
+        return MethodSample(sort, Drawn(passes.total, gpu), passes)
 
     def passes(self) -> Parts | None:
         """Time the passes, or return None if the whole frame is timed by them."""
@@ -171,7 +167,14 @@ class _TimedMethod:
             return None
         self.frame.restore()
         self.frame.orders.sort()
-        return self.clock.parts(self.frame.composite)
+        return self._parts()
+
+    def _parts(self) -> Parts:
+        parts = self.clock.parts(self.frame.composite)
+        if self.long is None:
+            slow = parts.total > 1000 * rounds.SLOW
+            self.long = slow and parts.total >= _LONG_LAP * parts.laps
+        return parts
 
 
 def time_method(frame: Frame, clock: Clock) -> MethodSample:

@@ -25,7 +25,7 @@ from oitbench.results.times import Processor
 from oitbench.scene import Camera
 from tests.helpers import collection, method
 
-SORT, DRAW, OPAQUE, DERIVE = 5.0, 1.0, 2.0, 0.25
+SORT, DRAW, OPAQUE, DERIVE = (count / 1024 for count in (5.0, 1.0, 2.0, 0.25))
 """Seconds that the patched parts take."""
 CPU = Processor("abacus", 1)
 NINE = Schedule(9, budget=0.0)
@@ -104,11 +104,11 @@ def test_sorting_is_a_part_of_the_method(device: Device, time: Time) -> None:
 def test_every_sort_computes_the_distances_again(
     device: Device, time: Time, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    time.slow(Camera, "view_distance", 0.5)
+    time.slow(Camera, "view_distance", DRAW)
     found = measured(device, time, "sorted_over", "sorted_two_pass[sort=triangle]").times
     for one in found.values():
         assert one.sort_ms is not None
-        assert one.sort_ms.samples == [1000 * (SORT + 0.5)] * 9
+        assert one.sort_ms.samples == [1000 * (SORT + DRAW)] * 9
 
 
 def test_a_frame_is_the_sum_of_the_method_and_of_shading(device: Device, time: Time) -> None:
@@ -282,30 +282,33 @@ def test_a_remark_says_why_the_passes_do_not_add_up(
     assert remark(method, parts) == text
 
 
-def test_a_long_frame_is_timed_once_for_itself_and_its_passes(device: Device, time: Time) -> None:
+def test_a_slow_frame_of_long_passes_is_timed_once_for_itself_and_its_passes(
+    device: Device, time: Time, monkeypatch: pytest.MonkeyPatch
+) -> None:
     drawn: list[int] = []
-
-    def run(seconds: float) -> Any:
-        before = len(drawn)
-        found = measured(
-            device, time, "sorted_two_pass", "alpha_blend", now=lambda: seconds * len(drawn)
-        ).times["sorted_two_pass"]
-        return found, len(drawn) - before
-
-    original = Frame.composite
+    original, taken = Frame.composite, [0.0]
 
     def composite(frame: Frame, *arguments: Any) -> None:
         drawn.append(1)
+        time.seconds += taken[0]
         original(frame, *arguments)
 
+    def run(seconds: float, long_lap: float) -> Any:
+        monkeypatch.setattr(timing, "_LONG_LAP", long_lap)
+        before, taken[0] = len(drawn), seconds
+        names = ("sorted_two_pass", "alpha_blend")
+        found = measured(device, time, *names, now=lambda: time.seconds).times[names[0]]
+        return found, len(drawn) - before
+
     time.patch(Frame, "composite", composite)
-    (apart, many), (together, few) = run(0.0), run(1.1)
+    (quick, most), (together, few), (apart, many) = run(0.0, 10.0), run(0.5, 10.0), run(0.5, 1000.0)
     # Two frames, each as a whole and by its passes: eleven rounds, or one and six. Passes that come
     # before the first whole frame are timed as well.
-    assert many == 2 * 2 * 11
+    assert most == 2 * 2 * 11
     assert 2 * 7 <= few <= 2 * 8
-    for found, count in ((apart, 9), (together, 6)):
-        assert [one.name for one in found.passes] == [one.name for one in apart.passes]
+    assert many == 2 * 2 * 7
+    for found, count, seconds in ((quick, 9, 0.0), (together, 6, 0.5), (apart, 6, 0.5)):
+        assert [one.name for one in found.passes] == [one.name for one in quick.passes]
         assert {len(one.ms.samples) for one in found.passes} == {count}
-        assert found.method_ms.median == apart.method_ms.median
+        assert found.method_ms.median == quick.method_ms.median + 1000 * seconds
         assert found.remark == ""
