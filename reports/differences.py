@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 from oitbench.image.files import Image
 from oitbench.papers.plates import FACTOR, difference
 from oitbench.report import Artifact, Figure, Note, ReportContext, figures, fixed, plates
+from oitbench.results.pictures import PICTURE, REDUCED, REDUCED_EXACT
 from oitbench.results.records import Panel
 from oitbench.results.schema import Record
 from oitbench.truths import EXACT
@@ -41,10 +42,14 @@ _LETTERS = 24
 
 @dataclass(frozen=True)
 class _Row:
-    """A scene: its panel, its exact picture, and the methods' cells by label."""
+    """A scene: its panel, its exact picture, and the methods' cells by label.
+
+    `kind` is that of pictures of its size.
+    """
 
     panel: Panel
     exact: Image
+    kind: str
     cells: dict[str, Record]
 
 
@@ -60,9 +65,13 @@ def build(context: ReportContext) -> list[Artifact]:
 
 def _rows(context: ReportContext) -> Iterator[_Row]:
     for panel in context.results.panels():
-        exact = plates.first_image(context, panel, EXACT)
-        if exact is not None:
-            yield _Row(panel, exact, {cell.method: cell for cell in panel.finished})
+        # The smaller pictures have more pixels than a figure has dots.
+        for kind, truth in ((REDUCED, REDUCED_EXACT), (PICTURE, EXACT)):
+            exact = plates.first_image(context, panel, truth)
+            if exact is not None:
+                cells = {cell.method: cell for cell in panel.finished}
+                yield _Row(panel, exact, kind, cells)
+                break
 
 
 def columns(context: ReportContext, labels: Sequence[str]) -> list[str]:
@@ -118,7 +127,7 @@ def _draw_row(
     plates.draw_picture(canvas, exact, plates.MARGIN, top, width)
     for place, label in enumerate(labels, 1):
         left = plates.MARGIN + place * (width + _GAP)
-        picture = context.results.image(row.cells[label], "color") if label in row.cells else None
+        picture = context.results.image(row.cells[label], row.kind) if label in row.cells else None
         if picture is None:
             continue
         shown = plates.display(picture, stops)

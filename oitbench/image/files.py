@@ -278,7 +278,10 @@ def to_srgb(linear: npt.ArrayLike, exposure: float) -> Image:
     IEC 61966-2-1.
     """
     with np.errstate(over="ignore", invalid="ignore"):
-        scaled = np.asarray(linear, dtype=np.float64) * 2.0**exposure
+        values = np.asarray(linear)
+        # Images are in single precision, which is fast and far finer than a display.
+        single = values.dtype == np.float32
+        scaled = values * (np.float32 if single else np.float64)(2.0**exposure)
         clipped = np.clip(scaled, 0.0, 1.0)
         toe = 12.92 * clipped
         curve = 1.055 * clipped ** (1 / 2.4) - 0.055
@@ -289,7 +292,9 @@ def to_srgb(linear: npt.ArrayLike, exposure: float) -> Image:
 def mark_nonfinite(srgb: npt.ArrayLike) -> Image:
     """Return a copy of `srgb` in which pixels that are not finite are magenta."""
     pixels = np.array(check(srgb), copy=True)
-    pixels[~np.isfinite(pixels).all(axis=-1)] = _NONFINITE_COLOR
+    bad = ~np.isfinite(pixels)
+    if bad.any():
+        pixels[bad.any(axis=-1)] = _NONFINITE_COLOR
     return pixels
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import io
+import math
 
 from oitbench.image.files import Image
 from oitbench.report.pixels import display_codes
@@ -12,6 +13,8 @@ CHARACTERS = 16_000_000
 """Room for all previews of a page, so that the page stays below 25 MB."""
 _SIDES = (256, 192, 128, 96, 64, 32)
 _QUALITY = 80
+_SLACK = 1.2
+"""Factor of the largest side that may fit, since small copies need more bytes for each pixel."""
 
 
 def room(count: int) -> int:
@@ -32,8 +35,10 @@ def preview(srgb: Image, characters: int) -> str:
     from PIL import Image as Picture
 
     picture = Picture.fromarray(display_codes(srgb))
-    address = ""
+    address, most = "", math.inf
     for side in _SIDES:
+        if side > most and side != _SIDES[-1]:
+            continue
         copy = picture.copy()
         # Smaller pictures stay as they are.
         copy.thumbnail((side, side))
@@ -42,4 +47,6 @@ def preview(srgb: Image, characters: int) -> str:
         address = "data:image/webp;base64," + base64.b64encode(content.getvalue()).decode()
         if len(address) <= characters:
             break
+        # The length grows at most as the area does.
+        most = max(copy.size) * math.sqrt(characters / len(address)) * _SLACK
     return address
