@@ -63,9 +63,9 @@ def save(figure: Canvas, path: Path, *, title: str, caption: str) -> Figure:
     png, pdf = path.with_name(path.name + ".png"), path.with_name(path.name + ".pdf")
     engine = figure.get_layout_engine()
     if engine is not None:
-        # Matplotlib would draw the whole figure once only to compute its layout.
+        # With an engine, or the word "none", matplotlib draws the figure twice.
         engine.execute(figure)
-        figure.set_layout_engine("none")
+        figure.set_layout_engine(None)
     # A file with a date would differ between runs with equal results.
     figure.savefig(pdf, metadata={"CreationDate": None})
     with PdfDocument(pdf) as document:
