@@ -1,4 +1,8 @@
-"""Which method to use for which content, and at what price."""
+"""Which method to use for which content, and at what price.
+
+The price is an error, FLIP of the displayed picture (0 is perfect; 0.01 is hard to see), and the
+time that transparency adds to a frame.
+"""
 
 from __future__ import annotations
 
@@ -29,15 +33,15 @@ order = 1
 
 _CRITERIA = (
     (
-        "Use: the cheapest that is near the best",
+        f"Use: the cheapest within {answers.NEAR:g} of the least error",
         f"of methods whose FLIP is at most {answers.NEAR:g} above the least",
     ),
     (
-        f"If it must be cheap: at most {answers.CHEAP:g}× the fastest",
+        f"If it must be cheap: at most {answers.CHEAP:g}× the least time",
         f"least error of methods that take at most {answers.CHEAP:g} times the time of the fastest",
     ),
     ("Least error, whatever the time", "of methods that tie, the fastest"),
-    ("Fastest, whatever the error", "least method time"),
+    ("Least time, whatever the error", "of the method, which is a part of the frame"),
 )
 # Errors are shaded from white at the first to the darkest at the last, on a logarithmic scale.
 _PALE, _DARK = 1e-3, 1.0
@@ -96,12 +100,12 @@ def _choices(context: ReportContext, found: Sequence[Answer]) -> Choices:
         f"Mean {context.flip_name} against the truth that ranks each scene (0 is perfect; a "
         f"difference of {answers.NEAR:g} is hard to see), geometric mean of the time that the "
         f"method adds to a frame on {where}, and its ratio to the fastest method of each scene. "
-        "Methods that lack a number in one of the scenes are left out."
-        + times.explain(context.results.records),
+        "Methods that lack a number in one of the scenes are left out. Dots have the colors of "
+        "families, as in the figures below." + times.explain(context.results.records),
         path,
         tuple(_CRITERIA[place] for place in places),
         tuple(
-            (answer.subject, answer.scenes, tuple(_shown(_chosen(answer)[k]) for k in places))
+            (answer.subject, answer.scenes, tuple(_shown(answer, k) for k in places))
             for answer in found
         ),
     )
@@ -111,10 +115,13 @@ def _chosen(answer: Answer) -> tuple[Choice | None, ...]:
     return answer.near, answer.cheap, answer.least, answer.fastest
 
 
-def _shown(choice: Choice | None) -> Chosen | None:
+def _shown(answer: Answer, place: int) -> Chosen | None:
+    choice = _chosen(answer)[place]
     if choice is None:
         return None
-    return Chosen(choice.price.method, answers.described(choice), choice.equal)
+    # The least time over several scenes may be that of a method that is the fastest in none.
+    numbers = answers.described(choice, cost=choice is not answer.fastest)
+    return Chosen(choice.price.method, numbers, choice.equal)
 
 
 def _pane(context: ReportContext, panel: Panel, axis: str) -> Pane:

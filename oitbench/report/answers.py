@@ -227,8 +227,8 @@ def _listed(words: Sequence[str]) -> str:
     return " and ".join(filter(None, [", ".join(words[:-1]), words[-1]]))
 
 
-def described(choice: Choice | None) -> str:
-    """Return the numbers of a choice: its error, time and cost."""
+def described(choice: Choice | None, *, cost: bool = True) -> str:
+    """Return the numbers of a choice: its error, its time, and its cost if that is asked for."""
     if choice is None:
         return ""
     price = choice.price
@@ -236,8 +236,8 @@ def described(choice: Choice | None) -> str:
     if price.ms is not None and price.cost is not None:
         sign = f" {SIGN}" if price.disturbed else ""
         ratio = f"{price.cost:.2g}"
-        whose = "the fastest" if ratio == "1" else f"{ratio}× the fastest"
-        parts += [f"{price.ms:.3g} ms{sign}", whose]
+        least = f" ({'' if ratio == '1' else f'{ratio}× '}the least)" if cost else ""
+        parts.append(f"{price.ms:.3g} ms{sign}{least}")
     return ", ".join(parts)
 
 

@@ -63,7 +63,9 @@ def test_each_criterion_chooses_its_method(tmp_path: Path) -> None:
     names = [answer.least, answer.cheap, answer.near, answer.fastest]
     assert [one.price.method if one else None for one in names] == ["slow", "cheap", "near", "fast"]
     assert answer.least.price.cost == pytest.approx(8.0)
-    assert answers.described(answer.least) == "FLIP 0.020, 80 ms, 8× the fastest"
+    assert answers.described(answer.least) == "FLIP 0.020, 80 ms (8× the least)"
+    assert answers.described(answer.fastest) == "FLIP 0.300, 10 ms (the least)"
+    assert answers.described(answer.fastest, cost=False) == "FLIP 0.300, 10 ms"
 
 
 def test_of_methods_that_tie_the_fastest_is_chosen(tmp_path: Path) -> None:
