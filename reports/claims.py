@@ -80,7 +80,8 @@ def build(context: ReportContext) -> list[Artifact]:
 def _summary(verdicts: Sequence[Verdict]) -> str:
     counts = Counter(verdict.word for verdict in verdicts)
     parts = [f"{counts[word]} {word}" for word in WORDS if counts[word]]
-    return f"Of {len(verdicts)} claims: {', '.join(parts)}."
+    plural = "" if len(verdicts) == 1 else "s"
+    return f"Of {len(verdicts)} claim{plural}: {', '.join(parts)}."
 
 
 def _row(verdict: Verdict) -> Row:
