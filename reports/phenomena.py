@@ -1,9 +1,8 @@
 """Pictures of methods beside the traced ones, for the phenomena of transparency.
 
 Only scenes appear that request more effects than coverage. Of methods that miss the same effects,
-the one with the least error is shown. The maps show FLIP against matched
-tracing: it has exactly the light transport that the effects stand for. Full path tracing has all of
-it, and is context.
+the one with the least error is shown. The maps show FLIP against matched tracing: it has exactly
+the light transport that the effects stand for. Full path tracing has all of it, and is context.
 """
 
 from __future__ import annotations

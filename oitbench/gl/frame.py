@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Hashable
-from dataclasses import dataclass
 
 import moderngl
 import numpy as np
@@ -14,7 +13,7 @@ from oitbench.errors import CapabilityError
 from oitbench.gl.draws.chain import Measurement
 from oitbench.gl.draws.executor import CompiledStep, Executor
 from oitbench.gl.draws.orders import DrawOrders
-from oitbench.gl.draws.records import Lap, PassRecord, Term, no_lap
+from oitbench.gl.draws.records import FrameMeasurement, Lap, PassRecord, no_lap
 from oitbench.gl.limits import check_loops, check_size
 from oitbench.gl.ownership import Owner
 from oitbench.gl.plan import FramePlan
@@ -45,25 +44,6 @@ Image = npt.NDArray[np.float32]
 _ATTEMPTS = 4
 START = "start of the frame"
 """The part of a timed frame before its first pass: copies, clears and buffers."""
-
-
-@dataclass(frozen=True)
-class FrameMeasurement:
-    """Counts of one frame.
-
-    Parameters
-    ----------
-    passes : list of PassRecord
-        One per pass of the plan.
-    shading : list of PassRecord
-        The stages that all methods share.
-    shading_terms : list of Term
-        Traffic of those stages.
-    """
-
-    passes: list[PassRecord]
-    shading: list[PassRecord]
-    shading_terms: list[Term]
 
 
 class Frame(Owner):

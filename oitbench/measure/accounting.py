@@ -8,8 +8,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
-from oitbench.gl.draws.records import Term, terms_of
-from oitbench.gl.frame import Frame, FrameMeasurement
+from oitbench.gl.draws.records import FrameMeasurement, Term, terms_of
+from oitbench.gl.frame import Frame
 from oitbench.method.storage import Items
 from oitbench.results.schema import Memory, MemoryTerm, SharedShading, Traffic, TrafficTerm
 

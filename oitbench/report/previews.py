@@ -14,7 +14,7 @@ CHARACTERS = 16_000_000
 _SIDES = (256, 192, 128, 96, 64, 32)
 _QUALITY = 80
 _SLACK = 1.2
-"""Factor of the largest side that may fit, since small copies need more bytes for each pixel."""
+"""Factor of the side at which the same bytes for each pixel would fit: small copies lose noise."""
 
 
 def room(count: int) -> int:
@@ -47,6 +47,5 @@ def preview(srgb: Image, characters: int) -> str:
         address = "data:image/webp;base64," + base64.b64encode(content.getvalue()).decode()
         if len(address) <= characters:
             break
-        # The length grows at most as the area does.
         most = max(copy.size) * math.sqrt(characters / len(address)) * _SLACK
     return address

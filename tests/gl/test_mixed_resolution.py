@@ -10,7 +10,8 @@ import pytest
 
 from oitbench.errors import DeclarationError
 from oitbench.gl.device import Device
-from oitbench.gl.frame import Frame, FrameMeasurement, Image
+from oitbench.gl.draws.records import FrameMeasurement
+from oitbench.gl.frame import Frame, Image
 from oitbench.measure import accounting
 from oitbench.method.declaration import Request
 from oitbench.modeling.mesh import box, quad

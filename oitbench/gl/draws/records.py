@@ -78,6 +78,25 @@ class Term:
         return self.items * self.bytes_per_item
 
 
+@dataclass(frozen=True)
+class FrameMeasurement:
+    """Counts of one frame.
+
+    Parameters
+    ----------
+    passes : list of PassRecord
+        One per pass of the plan.
+    shading : list of PassRecord
+        The stages that all methods share.
+    shading_terms : list of Term
+        Traffic of those stages.
+    """
+
+    passes: list[PassRecord]
+    shading: list[PassRecord]
+    shading_terms: list[Term]
+
+
 def terms_of(
     step: Pass,
     record: PassRecord,
