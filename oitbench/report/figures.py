@@ -69,7 +69,8 @@ def save(figure: Canvas, path: Path, *, title: str, caption: str) -> Figure:
     # A file with a date would differ between runs with equal results.
     figure.savefig(pdf, metadata={"CreationDate": None})
     with PdfDocument(pdf) as document:
-        # A tenth of the time that matplotlib takes to draw the same pixels.
+        # A tenth of the time that matplotlib takes to draw the same pixels. Pictures in the PDF
+        # have the resolution of the PNG already, and must not be blurred once more.
         page = document[0].render(scale=figure.dpi / _POINTS_PER_INCH, no_smoothimage=True)
         page.to_pil().save(png, compress_level=_COMPRESSION)
     width = round(figure.get_figwidth() * _CSS_PIXELS_PER_INCH)

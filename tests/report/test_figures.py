@@ -56,3 +56,14 @@ def test_both_files_show_the_same_at_the_resolution_of_the_screen(tmp_path: Path
     np.testing.assert_array_equal(picture, expected)
     background = pixels.sum(dtype=np.int64) - picture.sum(dtype=np.int64)
     assert background == 255 * (pixels.size - picture.size)
+
+
+def test_enlarged_pixels_stay_sharp_between_dots(tmp_path: Path) -> None:
+    checks = np.indices((7, 7)).sum(axis=0) % 2.0
+    with figures.canvas(2, 2, by_hand=True) as canvas:
+        plates.draw_picture(canvas, np.repeat(checks[..., None], 3, axis=2), 0.51, 0.51, 1.0)
+        figure = figures.save(canvas, tmp_path / "figure", title="", caption="")
+    with Image.open(figure.png) as opened:
+        levels = np.asarray(opened.convert("L"))
+    inside = slice(int(0.6 * figures.DOTS_PER_INCH), int(1.4 * figures.DOTS_PER_INCH))
+    assert set(np.unique(levels[inside, inside])) == {0, 255}
