@@ -61,7 +61,7 @@ def test_both_files_show_the_same_at_the_resolution_of_the_screen(tmp_path: Path
 def test_enlarged_pixels_stay_sharp_between_dots(tmp_path: Path) -> None:
     checks = np.indices((7, 7)).sum(axis=0) % 2.0
     with figures.canvas(2, 2, by_hand=True) as canvas:
-        plates.draw_picture(canvas, np.repeat(checks[..., None], 3, axis=2), 0.51, 0.51, 1.0)
+        plates.draw_picture(canvas, np.repeat(checks[..., None], 3, axis=2), 0.51, 0.51, 1.02)
         figure = figures.save(canvas, tmp_path / "figure", title="", caption="")
     with Image.open(figure.png) as opened:
         levels = np.asarray(opened.convert("L"))
