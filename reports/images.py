@@ -27,7 +27,7 @@ def build(context: ReportContext) -> list[Artifact]:
         caption = (
             "Upper picture: the image at the exposure of the scene. Lower picture: map of "
             f"{flip} against {TRUTHS[panel.truth]}, which ranks the scene. Numbers: mean {flip} "
-            f"against each truth. Noise floor: what the noise of a traced truth alone causes."
+            f"against each truth. Noise floor: the error that noise of a traced truth causes."
         )
         found = stack(context, panel, caption=caption, characters=room)
         drawn.append(found or Note(f"{panel.title}: there is no picture yet."))

@@ -1,4 +1,4 @@
-"""Methods along a path of cameras: what flickers, what pops, and the error of each frame.
+"""Methods along a path of cameras: flicker, popping, and the error of each frame.
 
 Needs folders of `oitbench motion`, in the folder `motion` of the results folder.
 """

@@ -26,7 +26,7 @@ _BAR_HEIGHT = 0.72
 SHARED = "#b5b5b5"
 """Color of what all methods share."""
 _SHARED_NAME = "shared by all methods"
-_SHARED_NOTE = "Below the line: what all methods share, such as shadow maps."
+_SHARED_NOTE = "Below the line: work that all methods share, such as shadow maps."
 
 
 @dataclass(frozen=True)

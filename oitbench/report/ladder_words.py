@@ -1,4 +1,4 @@
-"""Ladders in words: what the errors of the methods of a scene consist of."""
+"""Ladders in words: the parts of the errors of the methods of a scene."""
 
 from __future__ import annotations
 
