@@ -231,6 +231,12 @@ class FramePlan:
         return not replaces and any(OPAQUE_COLOR in item.reads for item in self.passes)
 
     @property
+    def peels(self) -> bool:
+        """Whether the geometry is drawn until nothing is left: once for each layer, or for two."""
+        loops = (step for step in self.steps if isinstance(step, Loop) and step.times is None)
+        return any(isinstance(item, Gather) for loop in loops for item in loop.passes)
+
+    @property
     def in_order_of_arrival(self) -> bool:
         """Whether fragments of a pixel come in the order of their arrival, which GPUs do not fix.
 

@@ -176,6 +176,7 @@ class Bench:
         self._on_step(_DRAWING)
         with self.watch.running("rendering"):
             with Frame(uploaded, method, fine, effects) as frame:
+                _check_layers(frame, cell.most_layers)
                 image = averaged(frame, cell.ssaa)
                 passed = None if cell.reduced else averaged(frame, cell.ssaa, transmittance=True)
                 plan = frame.plan
@@ -316,6 +317,16 @@ class Bench:
                 timings = time_cells(self.device, self.collection, scene, same, schedule)
         found = dict(zip((scored.cell for scored in same), timings, strict=True))
         return [found.get(scored.cell, _CHANGED) for scored in cells]
+
+
+def _check_layers(frame: Frame, most: int | None) -> None:
+    """Raise `CapabilityError` if a frame draws the geometry for too many layers, one by one."""
+    layers = int(frame.complexity.max())
+    if most is not None and layers > most and frame.plan.peels:
+        raise CapabilityError(
+            f"{layers} layers lie at one pixel, and each takes a pass over the geometry; this"
+            f" preset allows {most}, and 'paper' any number"
+        )
 
 
 def _without_fragments(record: Record, scene: Scene) -> Record:

@@ -44,6 +44,8 @@ class Cell(Struct, frozen=True):
         Name of the scene's camera; see `Scene.from_view`.
     reduced : bool
         Compare traced truths with a smaller picture, whose sub-pixels are the pixels of `size`.
+    most_layers : int, optional
+        See `Preset`.
     """
 
     scene: str
@@ -57,6 +59,7 @@ class Cell(Struct, frozen=True):
     shading: str = ""
     view: str = MAIN
     reduced: bool = False
+    most_layers: int | None = None
 
     @property
     def traced_size(self) -> tuple[int, int]:

@@ -52,6 +52,9 @@ class Preset:
     traced_size : (int, int), optional
         Of stored references. Where its sub-pixels are the pixels of a cell, traced truths have this
         size, and not the cell's.
+    most_layers : int, optional
+        A method that draws the geometry once for each layer is skipped where more of them lie at
+        one pixel: its time grows with their square. Default: no limit.
     values : mapping of str to tuple
         Values of parameters that are run; methods that lack one of these parameters are not.
     """
@@ -65,6 +68,7 @@ class Preset:
     truths: tuple[str, ...] = tuple(TRUTHS)
     grids: tuple[int, ...] = (2,)
     traced_size: tuple[int, int] | None = None
+    most_layers: int | None = None
     values: Mapping[str, tuple[Value, ...]] = field(default_factory=dict)
 
     def reduces(self, size: tuple[int, int], grid: int) -> bool:
@@ -76,7 +80,13 @@ class Preset:
 PRESETS = {
     "quick": Preset((256, 256), grid="default", rounds=9, budget=4.0, every=False),
     "standard": Preset(
-        (512, 512), grid="sweeps", rounds=15, budget=60.0, permutations=16, traced_size=(256, 256)
+        (512, 512),
+        grid="sweeps",
+        rounds=15,
+        budget=60.0,
+        permutations=16,
+        traced_size=(256, 256),
+        most_layers=128,
     ),
     "paper": Preset((1280, 720), grid="all", rounds=31, budget=600.0, permutations=16),
     # For checks against a baseline: metrics and counts, which every run repeats.
@@ -240,15 +250,27 @@ def plan_matrix(
         chosen_scenes = catalog.expand_scenes(scenes or _preset_scenes(catalog, chosen))
         chosen_methods = catalog.expand_methods(methods or _preset_methods(catalog, chosen))
         pairs = [
-            (Cell(scene.label, method.label, size, grid, effect, *settings, *rest), error)
+            (
+                Cell(
+                    scene.label,
+                    method.label,
+                    size,
+                    grid,
+                    effect,
+                    *settings,
+                    one,
+                    view,
+                    traced and chosen.reduces(size, grid),
+                    chosen.most_layers,
+                ),
+                scene.error or method.error,
+            )
             for scene in chosen_scenes
             for view in cameras
             for one in shadings
             for grid in grids
             for method, axis in _expand_effects(catalog, scene, chosen_methods, effects, timeout)
             for effect in axis
-            for rest in [(one, view, traced and chosen.reduces(size, grid))]
-            for error in [scene.error or method.error]
         ]
     return Matrix(
         tuple(cell for cell, _ in pairs), chosen, Path(out), seed,

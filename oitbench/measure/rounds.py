@@ -17,7 +17,7 @@ WARM_UP = 2
 needs only one."""
 LEAST, LEAST_OF_SLOW = 9, LEAST_SAMPLES
 """Rounds that every task takes part in, whatever they take, and those of a slow task."""
-SLOW = 0.25
+SLOW = 0.1
 """Seconds of a task that is slow."""
 Key = TypeVar("Key", bound=Hashable)
 
