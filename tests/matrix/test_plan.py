@@ -95,6 +95,13 @@ def test_standard_compares_traced_truths_at_the_size_of_stored_references() -> N
     assert sizes(ssaa=1) == {(512, 512)}
 
 
+def test_only_standard_leaves_out_peeling_of_many_layers() -> None:
+    limits = {name: preset.most_layers for name, preset in PRESETS.items()}
+    assert {name for name, most in limits.items() if most is not None} == {"standard"}
+    (cell,) = plan_matrix(["layer_stack"], ["depth_peeling"], "standard").cells
+    assert cell.most_layers == limits["standard"]
+
+
 @pytest.mark.parametrize(
     ("size", "small"), [((512, 512), (128, 128)), ((1280, 720), (256, 144)), ((64, 48), (64, 48))]
 )

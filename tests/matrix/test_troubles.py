@@ -70,6 +70,31 @@ def test_a_cell_in_which_nothing_was_drawn_is_suspect(
     assert found.finished
 
 
+@pytest.mark.parametrize(
+    ("method", "most", "status"),
+    [
+        ("depth_peeling", 2, "skipped"),
+        ("dual_depth_peeling", 2, "skipped"),
+        ("depth_peeling", 3, "ok"),
+        ("depth_peeling", None, "ok"),
+        ("depth_peeling[layers=2]", 2, "ok"),
+        ("a_buffer", 2, "ok"),
+        ("a_buffer[resolve=iterative]", 2, "ok"),
+    ],
+)
+def test_a_method_that_peels_more_layers_than_a_preset_allows_is_skipped(
+    method: str, most: int | None, status: str, tmp_path: Path
+) -> None:
+    wanted = Cell(
+        "layer_stack[count=3]", method, (8, 8), 1, permutations=1, truths=("exact",),
+        most_layers=most,
+    )  # fmt: skip
+    with Bench(Collection.load(), tmp_path) as bench:
+        found = bench.run(wanted)
+    assert found.status == status, found.reason
+    assert ("3 layers lie at one pixel" in found.reason) == (status == "skipped")
+
+
 def test_a_full_disk_is_no_fault_of_a_cell(views: Path, tmp_path: Path) -> None:
     with Bench(Collection.load([views]), tmp_path) as bench:
         bench.run(cell("view"))

@@ -57,16 +57,16 @@ def test_samples_are_in_order_of_the_rounds_and_without_the_warm_up() -> None:
 
 @pytest.mark.parametrize("budget", [0.0, 4.0])
 def test_nine_rounds_count_and_six_of_slow_tasks_whatever_they_take(budget: float) -> None:
-    found = counts({"fast": 0.125, "slow": 0.5}, Schedule(31, budget))
+    found = counts({"fast": 0.0625, "slow": 0.5}, Schedule(31, budget))
     assert found == {"fast": 9, "slow": 6}
 
 
 def test_all_rounds_count_within_the_budget() -> None:
-    assert counts({"fast": 0.125, "slow": 0.5}, Schedule(31, 600.0)) == {"fast": 31, "slow": 31}
+    assert counts({"fast": 0.0625, "slow": 0.5}, Schedule(31, 600.0)) == {"fast": 31, "slow": 31}
 
 
 def test_one_round_warms_up_a_slow_task() -> None:
-    tasks = Tasks({"f": 0.125, "s": 0.5})
+    tasks = Tasks({"f": 0.0625, "s": 0.5})
     tasks.run(Schedule(9, budget=0.0))
     assert (tasks.log.count("f"), tasks.log.count("s")) == (WARM_UP + 9, 1 + 6)
 
