@@ -34,7 +34,7 @@ class Cell(Struct, frozen=True):
         that depend on them are left out too (`oitbench.method.ablation.NEEDS`).
     seed : int
     permutations : int
-        Random orders of the draws in which the image is rendered again, small and without
+        Random orders of the draws in which the image is rendered again, at most, small and without
         sub-pixels, to measure how far it depends on them.
     truths : tuple of str
         Keys of the truths to score against; the exact one is always among them.

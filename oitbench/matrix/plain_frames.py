@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+import numpy as np
+
 from oitbench.effects import Effect
 from oitbench.errors import DeclarationError
 from oitbench.gl.frame import Frame, Image
@@ -15,6 +17,10 @@ from oitbench.matrix.stage import Stage
 from oitbench.measure import accounting
 from oitbench.method.declaration import Method
 from oitbench.results.schema import Memory, PassRuns, SharedShading, Traffic
+
+_EQUAL = 8
+"""Permuted pictures after which no more are drawn if all are equal: two draws whose order matters
+keep it in all of them with a probability of 1 : 128."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,12 +84,7 @@ class PlainFrames:
         with Frame(self.stage.at(size[1]), self.method, size, self.effects) as frame:
             self._require_same(frame.plan, "its draws are permuted")
 
-            def permuted() -> Iterator[Image]:
-                for number in range(1, self.cell.permutations + 1):
-                    frame.render(permutation=number)
-                    yield frame.image()
-
-            return metrics.order_spread(permuted())
+            return metrics.order_spread(permuted(frame, self.cell.permutations))
 
     def _require_same(self, plan: FramePlan, when: str) -> None:
         """Raise `DeclarationError` if a frame does not draw what the scored frame draws."""
@@ -92,3 +93,17 @@ class PlainFrames:
                 f"{plan.label}: plan returns other passes when {when}; it must depend on parameters"
                 " and its request alone"
             )
+
+
+def permuted(frame: Frame, count: int) -> Iterator[Image]:
+    """Yield pictures of permuted draws: `count`, or fewer if the first ones are equal."""
+    first: Image | None = None
+    equal = True
+    for number in range(1, count + 1):
+        if equal and number > _EQUAL:
+            return
+        frame.render(permutation=number)
+        image = frame.image()
+        first = image if first is None else first
+        equal = equal and np.array_equal(first, image)
+        yield image

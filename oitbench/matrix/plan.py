@@ -42,7 +42,7 @@ class Preset:
     budget : float
         Seconds of timing per scene after which no further round begins.
     permutations : int
-        Random orders of the draws in which every image is rendered again.
+        Random orders of the draws in which every image is rendered again, at most.
     every : bool
         Run all methods and scenes, or only those that are `quick`.
     truths : tuple of str
