@@ -8,6 +8,7 @@ from typing import Any
 
 import msgspec
 
+from oitbench.fingerprints.code import timing_fingerprint
 from oitbench.image import metrics
 from oitbench.image.stored import StoredImage
 from oitbench.method.demands import NOTHING
@@ -100,7 +101,8 @@ def timed(
     """
     steps = [swing * (number - 4) / 4 for number in range(9)]
     method = interval_of([method_ms + step for step in steps])
-    block = Block("wall", Processor("abacus", 2, "performance"), 1.5, foreign, rounds=9, budget=4.0)
+    processor, code = Processor("abacus", 2, "performance"), timing_fingerprint()
+    block = Block("wall", processor, 1.5, foreign, rounds=9, budget=4.0, code=code)
     return Time(
         method_ms=method,
         sort_ms=None if sort_ms is None else interval_of([sort_ms] * 9),

@@ -15,11 +15,16 @@ from oitbench.method.declaration import Method
 _PACKAGE = Path(__file__).resolve().parents[1]
 _ENGINE = (
     "effects.py", "gl", "image/files.py", "matrix/bench.py", "matrix/cell.py",
-    "matrix/plain_frames.py", "matrix/scoring.py", "matrix/stage.py", "matrix/timed_cells.py",
-    "measure", "method", "parameters.py", "scene", "shading.py", "truths.py",
+    "matrix/plain_frames.py", "matrix/scoring.py", "matrix/stage.py", "measure", "method",
+    "parameters.py", "scene", "shading.py", "truths.py",
 )  # fmt: skip
-"""Sources that can change a pixel, a count or a time. What scenes are built with is not among them,
-because a scene's fingerprint covers the result."""
+"""Sources that can change a pixel or a count. What scenes are built with is not among them, because
+a scene's fingerprint covers the result."""
+_TIMING = (
+    "matrix/timed_cells.py", "measure/agreement.py", "measure/clock.py", "measure/disturbance.py",
+    "measure/intervals.py", "measure/rounds.py", "measure/timing.py",
+)  # fmt: skip
+"""Further sources, which can change times alone."""
 _METRICS = ("image/metrics.py", "image/ties.py")
 _METRIC_PACKAGES = ("flip-evaluator", "scikit-image")
 PACKAGES = (
@@ -50,8 +55,16 @@ def method_fingerprint(method: Method) -> str:
 
 @cache
 def engine_fingerprint() -> str:
-    """Return a digest of the suite's own sources that can change what is measured."""
-    return sources_digest(_own_files(_ENGINE))
+    """Return a digest of the suite's own sources that can change a picture or a count."""
+    times = _own_files(_TIMING)
+    files = _own_files(_ENGINE)
+    return sources_digest({name: path for name, path in files.items() if name not in times})
+
+
+@cache
+def timing_fingerprint() -> str:
+    """Return a digest of the suite's own sources that can change times, but no picture."""
+    return sources_digest(_own_files(_TIMING))
 
 
 @cache

@@ -84,7 +84,7 @@ PRESETS = {
         grid="sweeps",
         rounds=15,
         budget=60.0,
-        permutations=16,
+        permutations=8,
         traced_size=(256, 256),
         most_layers=128,
     ),

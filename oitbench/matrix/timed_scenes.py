@@ -7,6 +7,7 @@ from collections.abc import Callable, Collection, Sequence
 import msgspec
 
 from oitbench.errors import OitbenchError
+from oitbench.fingerprints.code import timing_fingerprint
 from oitbench.matrix.cell import Cell
 from oitbench.matrix.timed_cells import ScoredCell, Timing
 from oitbench.measure.rounds import Schedule
@@ -25,7 +26,7 @@ def due_scenes(
     """Return the finished cells of each view and size that has to be timed, as one list each.
 
     Cells are timed together, so one of them is enough: it is fresh, has no time, or was timed on
-    another processor or in another number of rounds.
+    another processor, in another number of rounds, or by other sources.
     """
     scenes: dict[tuple[str, tuple[int, int]], list[Pair]] = {}
     for cell, record in pairs:
@@ -43,7 +44,8 @@ def _is_current(record: Record, cpu: Processor | None, schedule: Schedule) -> bo
         return False
     block = record.time.block
     same_cpu = cpu is None or block.cpu.model == cpu.model
-    return same_cpu and (block.rounds, block.budget) == (schedule.rounds, schedule.budget)
+    how = schedule.rounds, schedule.budget, timing_fingerprint()
+    return same_cpu and (block.rounds, block.budget, block.code) == how
 
 
 def time_scene(pairs: Sequence[Pair], ask: Ask) -> list[Record]:

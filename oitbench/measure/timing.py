@@ -17,6 +17,7 @@ from functools import partial
 from typing import Literal
 
 from oitbench.errors import OitbenchError
+from oitbench.fingerprints.code import timing_fingerprint
 from oitbench.gl.frame import Frame
 from oitbench.measure import rounds
 from oitbench.measure.clock import Clock, Drawn, Parts
@@ -102,7 +103,7 @@ def measure(
     if attempts[0].disturbed:
         attempts.append(_attempt(tasks, schedule, meter, now))
     best = min(attempts, key=lambda attempt: attempt.foreign or 0.0)
-    repeated, settings = len(attempts) > 1, (schedule.rounds, schedule.budget)
+    repeated, settings = len(attempts) > 1, (schedule.rounds, schedule.budget, timing_fingerprint())
     block = Block(clock.name, cpu, best.seconds, best.foreign, repeated, *settings)
     errors = {key: error for found in attempts for key, error in found.counted.errors.items()}
     found = Timings()

@@ -62,6 +62,7 @@ class Block(_Typed, frozen=True):
     null if the system does not tell. `repeated` says that a first attempt was disturbed. `seconds`
     is the wall-clock time of all rounds. `rounds` and `budget` are those of the preset: the
     largest number of rounds, and the seconds after which a cell with enough rounds gets no more.
+    `code` is the fingerprint of the sources that time.
     """
 
     clock: Literal["wall", "gpu"]
@@ -71,6 +72,7 @@ class Block(_Typed, frozen=True):
     repeated: bool = False
     rounds: int = 0
     budget: float = 0.0
+    code: str = ""
 
     @property
     def disturbed(self) -> bool:

@@ -131,14 +131,39 @@ def test_parameters_and_shaders_of_the_collection_matter(tmp_path: Path) -> None
 
 
 def test_the_sources_of_the_engine_exist_and_differ_from_those_of_the_metrics() -> None:
-    files = code._own_files((*code._ENGINE, *code._METRICS))
+    named = (*code._ENGINE, *code._TIMING, *code._METRICS)
+    files = code._own_files(named)
     assert all(path.is_file() for path in files.values())
-    for name in (*code._ENGINE, *code._METRICS):
+    for name in named:
         assert any(file == name or file.startswith(f"{name}/") for file in files), name
     expected = {"gl/shaders/shading.glsl", "gl/frame.py", "scene/texturing.py", "matrix/bench.py"}
     assert expected <= files.keys()
     assert code.engine_fingerprint() != code.metrics_fingerprint()
     assert not any(name.startswith("cli/") for name in files)
+
+
+def test_sources_of_timing_change_times_but_no_picture(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """Each source belongs to one fingerprint, so that another way of timing redraws nothing."""
+    for name in ("measure/timing.py", "measure/oracle.py"):
+        path = tmp_path / name
+        path.parent.mkdir(exist_ok=True)
+        path.write_text("x = 1\n")
+    monkeypatch.setattr(code, "_PACKAGE", tmp_path)
+    monkeypatch.setattr(code, "_ENGINE", ("measure",))
+    monkeypatch.setattr(code, "_TIMING", ("measure/timing.py",))
+
+    def both() -> tuple[str, str]:
+        return code.engine_fingerprint.__wrapped__(), code.timing_fingerprint.__wrapped__()
+
+    before = both()
+    (tmp_path / "measure" / "timing.py").write_text("x = 2\n")
+    timed = both()
+    assert (timed[0] == before[0], timed[1] == before[1]) == (True, False)
+    (tmp_path / "measure" / "oracle.py").write_text("x = 2\n")
+    drawn = both()
+    assert (drawn[0] == timed[0], drawn[1] == timed[1]) == (False, True)
 
 
 def test_the_metrics_depend_on_their_packages(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -8,6 +8,7 @@ from typing import Any
 import pytest
 
 from oitbench.errors import CapabilityError
+from oitbench.matrix import timed_scenes
 from oitbench.matrix.cell import Cell
 from oitbench.matrix.timed_cells import ScoredCell, Timing
 from oitbench.matrix.timed_scenes import Pair, due_scenes, time_scene
@@ -120,3 +121,9 @@ def test_fresh_cells_and_other_processors_make_a_scene_due() -> None:
     for other in (Schedule(15, 4.0), Schedule(9, 60.0)):
         assert due_scenes(pairs, [], CPU, other) == [pairs[:2], pairs[2:]]
     assert due_scenes([(pairs[0][0], failed("a"))], [pairs[0][0]], CPU, NINE) == []
+
+
+def test_other_sources_of_timing_make_a_scene_due(monkeypatch: pytest.MonkeyPatch) -> None:
+    pairs = [pair("a"), pair("b")]
+    monkeypatch.setattr(timed_scenes, "timing_fingerprint", lambda: "of tomorrow")
+    assert due_scenes(pairs, [], CPU, NINE) == [pairs]
