@@ -86,7 +86,7 @@ PRESETS = {
         budget=60.0,
         permutations=8,
         traced_size=(256, 256),
-        most_layers=128,
+        most_layers=64,
     ),
     "paper": Preset((1280, 720), grid="all", rounds=31, budget=600.0, permutations=16),
     # For checks against a baseline: metrics and counts, which every run repeats.

@@ -57,7 +57,10 @@ def _across(count: int) -> str:
         return min(choices, key=gaps) if count > 1 else choices[0]
 
     names = zip(("wide", "middle", "narrow"), (_WIDE, _MIDDLE, _NARROW), strict=True)
-    return ";".join(f"--{name}:{columns(choices)}" for name, choices in names)
+    across = {name: columns(choices) for name, choices in names}
+    # Of 7 tiles, the first one, which is the truth, fills a row on a phone.
+    lead = across["narrow"] if 1 < across["narrow"] < count and count % across["narrow"] == 1 else 1
+    return ";".join(f"--{name}:{size}" for name, size in {**across, "lead": lead}.items())
 
 
 def environment(context: ReportContext, folder: Path | None = None) -> Environment:
