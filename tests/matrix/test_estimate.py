@@ -42,7 +42,7 @@ def test_a_cost_grows_with_the_pixels_from_what_does_not() -> None:
         # The budget ends in the 21st round, two of which do not count.
         ([0.1, 0.1], Schedule(31, 4.0), 0.2 * (21 + 1)),
         # The budget is over at once, but each cell takes part in nine rounds, and a slow one in 6.
-        ([0.5], Schedule(31, 0.1), 0.5 * (2 + 9 + 1)),
+        ([0.125], Schedule(31, 0.1), 0.125 * (2 + 9 + 1)),
         # A slow cell is timed by its passes alone: one task instead of two.
         ([4.0], Schedule(31, 0.1), 4.0 + 2.0 * (1 + 6)),
         ([0.0], Schedule(9, 4.0), 0.0),
