@@ -137,9 +137,6 @@ def _draw(axes: Axes, place: Place, curves: Sequence[Curve], styles: Mapping[str
     axes.grid(True, axis="both")
     axes.set_xscale("log", base=2)
     axes.set_yscale("log")
-    for axis in (axes.xaxis, axes.yaxis):
-        axis.set_major_formatter("{x:g}")
-        axis.set_minor_formatter("")
     grids = sorted({curve.ssaa for curve in curves})
     for curve in curves:
         known = curve.errors

@@ -185,7 +185,6 @@ def _set_scales(axes: Axes, points: Sequence[Point]) -> None:
     narrow = max(medians) < _NARROW * min(medians)
     axes.xaxis.set_major_locator(LogLocator(subs=range(1, 10) if narrow else (1, 2, 5)))
     axes.xaxis.set_minor_locator(NullLocator())
-    axes.xaxis.set_major_formatter("{x:g}")
     errors = [point.errors.error for point in points]
     if error_axis.set_scale(axes, max(errors), lowest=min(errors)):
         error_axis.draw_break(axes)

@@ -13,6 +13,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from oitbench import parameters
 from oitbench.errors import OitbenchError
 from oitbench.method.ablation import REQUESTED
@@ -48,6 +50,8 @@ _ACROSS = 3
 _WIDTH, _HEIGHT = 3.13, 2.7
 # Values whose largest is at least that many times the smallest have a logarithmic axis.
 _WIDE = 8
+# Numbers that have room below an axis.
+_MOST_TICKS = 6
 # Height of the axes, relative to the largest error.
 _ROOM = 1.15
 
@@ -204,7 +208,7 @@ def _draw(axes: Axes, context: ReportContext, axis: Axis, curves: Sequence[Curve
     values = [value for curve in curves for value in curve.values]
     if min(values) > 0 and max(values) >= _WIDE * min(values):
         axes.set_xscale("log")
-        axes.xaxis.set_major_formatter("{x:g}")
+    _set_ticks(axes, sorted(set(values)))
     styles = palette.tinted(context.style(curve.cells[0].method) for curve in curves)
     for curve, style in zip(curves, styles, strict=True):
         axes.plot(
@@ -261,3 +265,14 @@ def _rows(context: ReportContext, curve: Curve) -> Iterator[Row]:
             curve.axis.key, cell.seen, cell.method, cell.effects, cell.shading,
             TRUTHS[curve.truth], value, None if math.isnan(error) else error,
         )  # fmt: skip
+
+
+def _set_ticks(axes: Axes, values: Sequence[float]) -> None:
+    """Mark the values that were run, if their numbers have room."""
+    from matplotlib.ticker import NullLocator
+
+    spread = axes.xaxis.get_transform().transform(np.array(values))
+    gaps = np.diff(spread)
+    if len(values) <= _MOST_TICKS and gaps.min() >= gaps.sum() / _MOST_TICKS:
+        axes.set_xticks(values, [f"{value:g}" for value in values])
+        axes.xaxis.set_minor_locator(NullLocator())

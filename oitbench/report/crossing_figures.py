@@ -121,7 +121,6 @@ def _draw_sweep(axes: Axes, found: Comparison, grid: Grid, group: ByteGroup, swe
         )
     axes.set_xticks(sweep.x, [f"{x:.2g}" for x in sweep.x])
     axes.xaxis.set_minor_locator(NullLocator())
-    axes.yaxis.set_major_formatter("{x:g}")
     axes.yaxis.set_minor_locator(NullLocator())
     if sweep.by_layers:
         axes.set_xlabel(f"layers at a pixel, each of opacity {sweep.fixed:.2g}")
@@ -190,7 +189,6 @@ def _set_limits(axes: Axes, grid: Grid, scenes: Sequence[Case]) -> None:
     for axis in (axes.xaxis, axes.yaxis):
         axis.set_major_locator(LogLocator(subs=(1, 2, 5)))
         axis.set_minor_locator(NullLocator())
-        axis.set_major_formatter("{x:g}")
 
 
 def _shade(

@@ -61,6 +61,7 @@ def save(figure: Canvas, path: Path, *, title: str, caption: str) -> Figure:
 
     path.parent.mkdir(parents=True, exist_ok=True)
     png, pdf = path.with_name(path.name + ".png"), path.with_name(path.name + ".pdf")
+    _write_plain_powers(figure)
     engine = figure.get_layout_engine()
     if engine is not None:
         # With an engine, or the word "none", matplotlib draws the figure twice.
@@ -75,6 +76,18 @@ def save(figure: Canvas, path: Path, *, title: str, caption: str) -> Figure:
         page.to_pil().save(png, compress_level=_COMPRESSION)
     width = round(figure.get_figwidth() * _CSS_PIXELS_PER_INCH)
     return Figure(title, caption, png, pdf, width)
+
+
+def _write_plain_powers(figure: Canvas) -> None:
+    """Write the numbers of logarithmic axes as text: the formulas of matplotlib are not parsed."""
+    from matplotlib.ticker import LogFormatterMathtext
+
+    for axes in figure.axes:
+        for axis in (axes.xaxis, axes.yaxis):
+            if isinstance(axis.get_major_formatter(), LogFormatterMathtext):
+                axis.set_major_formatter("{x:g}")
+            if isinstance(axis.get_minor_formatter(), LogFormatterMathtext):
+                axis.set_minor_formatter("")
 
 
 def share_rows(panels: Sequence[Axes], across: int) -> None:

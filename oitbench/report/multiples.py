@@ -147,7 +147,6 @@ def _set_scales(axes: Axes, points: Sequence[tuple[float, float]]) -> None:
     axes.set_xlim(min(xs) / 1.6, max(xs) * 1.6)
     axes.xaxis.set_major_locator(LogLocator(numticks=5))
     axes.xaxis.set_minor_locator(NullLocator())
-    axes.xaxis.set_major_formatter("{x:g}")
     error_axis.set_scale(axes, max(y for _, y in points))
 
 

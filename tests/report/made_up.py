@@ -209,3 +209,12 @@ def _pictures(error: float) -> tuple[Image, Image]:
 def _compare(error: float) -> metrics.Evaluation:
     truth, picture = _pictures(error)
     return metrics.compare(truth, picture, 0.0)
+
+
+def words(pdf: Path) -> list[str]:
+    """Return the words of a PDF file of one page."""
+    from pypdfium2 import PdfDocument
+
+    with PdfDocument(pdf) as document:
+        text: str = document[0].get_textpage().get_text_range()
+    return text.split()

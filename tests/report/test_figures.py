@@ -8,6 +8,7 @@ import numpy as np
 from PIL import Image
 
 from oitbench.report import figures, plates
+from tests.report.made_up import words
 
 
 def draw(folder: Path, text: str) -> bytes:
@@ -67,3 +68,16 @@ def test_enlarged_pixels_stay_sharp_between_dots(tmp_path: Path) -> None:
         levels = np.asarray(opened.convert("L"))
     inside = slice(int(0.6 * figures.DOTS_PER_INCH), int(1.4 * figures.DOTS_PER_INCH))
     assert set(np.unique(levels[inside, inside])) == {0, 255}
+
+
+def test_numbers_of_logarithmic_axes_are_text_as_a_dollar_is(tmp_path: Path) -> None:
+    with figures.canvas(3, 2) as canvas:
+        axes = canvas.subplots()
+        axes.plot([2, 8, 30], [0.1, 1.0, 20.0])
+        axes.set_xscale("log", base=2)
+        axes.set_yscale("log")
+        axes.set_title("5 $_x$")
+        figure = figures.save(canvas, tmp_path / "figure", title="", caption="")
+    found = words(figure.pdf)
+    assert {"$_x$", "2", "4", "8", "16", "0.1", "1", "10"} <= {*found}
+    assert not any("mathdefault" in word for word in found)

@@ -10,7 +10,7 @@ import pandas as pd
 from oitbench.plugins import Collection
 from oitbench.report import Artifact, Figure, Note
 from oitbench.results.schema import EffectNames, Record
-from tests.report.made_up import context, finished, unfinished
+from tests.report.made_up import context, finished, unfinished, words
 
 SWEEPS = Collection.load().reports["sweeps"]
 VALUES = (0.1, 0.5, 0.3)
@@ -94,3 +94,14 @@ def test_texts_sizes_and_two_values_are_no_sweep(tmp_path: Path) -> None:
     (note,) = SWEEPS.build(context(tmp_path, cells, tmp_path))
     assert isinstance(note, Note)
     assert "three values" in note.text
+
+
+def test_values_are_marked_below_the_axis(tmp_path: Path) -> None:
+    cells = [
+        cell(tmp_path, "layer_stack", f"stochastic[samples={count}]", 1 / count)
+        for count in (4, 8, 16, 64)
+    ]
+    artifacts, _ = swept(tmp_path, *cells)
+    found = words(next(item.pdf for item in artifacts if isinstance(item, Figure)))
+    assert {"4", "8", "16", "64"} <= {*found}
+    assert not {"10", "100"} & {*found}
