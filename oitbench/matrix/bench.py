@@ -324,8 +324,8 @@ def _check_layers(frame: Frame, most: int | None) -> None:
     layers = int(frame.complexity.max())
     if most is not None and layers > most and frame.plan.peels:
         raise CapabilityError(
-            f"{layers} layers lie at one pixel, and each takes a pass over the geometry; this"
-            f" preset allows {most}, and 'paper' any number"
+            f"{layers} layers lie at one pixel, and the geometry is drawn once for each of them or"
+            f" for two; this preset allows {most} layers, and 'paper' any number"
         )
 
 
