@@ -33,11 +33,11 @@ order = 1
 
 _CRITERIA = (
     (
-        f"Use: the cheapest within {answers.NEAR:g} of the least error",
+        f"Use: the fastest with an error within {answers.NEAR:g} of the least",
         f"of methods whose FLIP is at most {answers.NEAR:g} above the least",
     ),
     (
-        f"If it must be cheap: at most {answers.CHEAP:g}× the least time",
+        f"Least error within {answers.CHEAP:g}× the least time",
         f"least error of methods that take at most {answers.CHEAP:g} times the time of the fastest",
     ),
     ("Least error, whatever the time", "of methods that tie, the fastest"),
@@ -99,7 +99,7 @@ def _choices(context: ReportContext, found: Sequence[Answer]) -> Choices:
         "By content",
         f"Mean {context.flip_name} against the truth that ranks each scene (0 is perfect; a "
         f"difference of {answers.NEAR:g} is hard to see), geometric mean of the time that the "
-        f"method adds to a frame on {where}, and its ratio to the fastest method of each scene. "
+        f"method adds to a frame on {where}, and its ratio to the least time in the last column. "
         "Methods that lack a number in one of the scenes are left out. Dots have the colors of "
         "families, as in the figures below." + times.explain(context.results.records),
         path,
@@ -119,8 +119,9 @@ def _shown(answer: Answer, place: int) -> Chosen | None:
     choice = _chosen(answer)[place]
     if choice is None:
         return None
-    # The least time over several scenes may be that of a method that is the fastest in none.
     numbers = answers.described(choice, cost=choice is not answer.fastest)
+    if place and answer.near is not None and choice.price == answer.near.price:
+        numbers = "as recommended"
     return Chosen(choice.price.method, numbers, choice.equal)
 
 

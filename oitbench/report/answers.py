@@ -1,15 +1,15 @@
 """Which method to use, and at what price: choices derived from results, by the subjects of scenes.
 
-A method's *cost* in a scene is its method time relative to that of the fastest method there, so
-that scenes of different sizes count alike. Over several scenes, errors are averaged arithmetically,
-times and costs geometrically. Only methods with all numbers in all of these scenes are compared.
+Over several scenes, errors are averaged arithmetically, and method times geometrically, so that
+scenes of different sizes count alike. A method's *cost* is its mean time relative to the least mean
+time. Only methods with all numbers in all of these scenes are compared.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 from oitbench.effects import SHADING, effects_of, names
@@ -40,7 +40,7 @@ class Price:
     ms : float, optional
         Geometric mean of its method time, in ms; None if it was not timed in each scene.
     cost : float, optional
-        Geometric mean of that time relative to the fastest method.
+        That time relative to the least one.
     disturbed : bool
         Whether other processes disturbed one of its times.
     """
@@ -96,16 +96,16 @@ class Subject:
         errors = [ranking(panel, self.metric).errors for panel in self.panels]
         shared = set.intersection(*(set(found) for found in errors))
         times = [_times(panel) for panel in self.panels]
-        fastest = [min(found.values(), default=math.nan) for found in times]
         prices = []
         for method in sorted(shared):
             error = sum(found[method].error for found in errors) / len(errors)
             known = [found[method] for found in times if method in found]
-            ms = cost = None
-            if len(known) == len(times):
-                ms = _mean(known)
-                cost = ms / _mean(fastest)
-            prices.append(Price(method, error, ms, cost, self._disturbed(method)))
+            ms = _mean(known) if len(known) == len(times) else None
+            prices.append(Price(method, error, ms, None, self._disturbed(method)))
+        least = min((price.ms for price in prices if price.ms is not None), default=math.nan)
+        prices = [
+            replace(price, cost=None if price.ms is None else price.ms / least) for price in prices
+        ]
         return sorted(prices, key=lambda price: (price.error, price.cost or math.inf))
 
     def _disturbed(self, method: str) -> bool:
@@ -236,7 +236,7 @@ def described(choice: Choice | None, *, cost: bool = True) -> str:
     if price.ms is not None and price.cost is not None:
         sign = f" {SIGN}" if price.disturbed else ""
         ratio = f"{price.cost:.2g}"
-        least = f" ({'' if ratio == '1' else f'{ratio}× '}the least)" if cost else ""
+        least = f" ({'' if ratio == '1' else f'{ratio}× '}the least time)" if cost else ""
         parts.append(f"{price.ms:.3g} ms{sign}{least}")
     return ", ".join(parts)
 

@@ -63,8 +63,8 @@ def test_each_criterion_chooses_its_method(tmp_path: Path) -> None:
     names = [answer.least, answer.cheap, answer.near, answer.fastest]
     assert [one.price.method if one else None for one in names] == ["slow", "cheap", "near", "fast"]
     assert answer.least.price.cost == pytest.approx(8.0)
-    assert answers.described(answer.least) == "FLIP 0.020, 80 ms (8× the least)"
-    assert answers.described(answer.fastest) == "FLIP 0.300, 10 ms (the least)"
+    assert answers.described(answer.least) == "FLIP 0.020, 80 ms (8× the least time)"
+    assert answers.described(answer.fastest) == "FLIP 0.300, 10 ms (the least time)"
     assert answers.described(answer.fastest, cost=False) == "FLIP 0.300, 10 ms"
 
 
@@ -84,7 +84,7 @@ def test_errors_and_costs_are_averaged_over_the_scenes_of_a_subject(tmp_path: Pa
         tmp_path,
         cell("a", "x", 0.1, 10.0),
         cell("a", "y", 0.2, 40.0),
-        cell("b", "x", 0.3, 400.0),
+        cell("b", "x", 0.3, 800.0),
         cell("b", "y", 0.1, 100.0),
         cell("b", "absent from a", 0.0, 1.0),
     )
@@ -92,8 +92,11 @@ def test_errors_and_costs_are_averaged_over_the_scenes_of_a_subject(tmp_path: Pa
     assert (answer.least.price.method, answer.scenes) == ("y", ("a", "b"))
     assert answer.least.price.error == pytest.approx(0.15)
     assert answer.least.price.ms == pytest.approx(4000**0.5)
-    # Relative to the fastest of each scene: 4 and 100.
-    assert answer.least.price.cost == pytest.approx(20.0)
+    # The numbers of a row divide: the least time is that of one method over all scenes.
+    (subject,) = answers.subjects(found, FLIP)
+    assert {price.method: price.cost for price in subject.prices} == {
+        "x": pytest.approx(2**0.5), "y": pytest.approx(1.0),
+    }  # fmt: skip
 
 
 def test_without_times_only_the_least_error_is_known(tmp_path: Path) -> None:
@@ -163,6 +166,13 @@ def test_the_section_has_an_answer_two_figures_and_all_errors(tmp_path: Path) ->
     assert [type(part) for part in parts if not hasattr(part, "png")] == [
         Choices, Statement, HeatTable,
     ]  # fmt: skip
+    table = parts[0]
+    assert isinstance(table, Choices)
+    for _, _, (use, *others) in table.rows:
+        assert use is not None
+        assert use.method == "glow"
+        # Numbers that stand in the first column already are not repeated.
+        assert {one.numbers for one in others if one and one.method == "glow"} == {"as recommended"}
     heat = parts[-1]
     assert isinstance(heat, HeatTable)
     assert heat.columns == ("glow", "murk")
