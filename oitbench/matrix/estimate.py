@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import tempfile
+import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -13,11 +14,12 @@ from oitbench.executors.processes import LocalWorker
 from oitbench.matrix.cell import Cell
 from oitbench.matrix.cost_model import CostModel
 from oitbench.matrix.plan import Matrix
-from oitbench.matrix.probe import MemoryProbed, ProbedTruth, ProbeMemory
+from oitbench.matrix.probe import ProbedTruth, ProbeUsage, UsageProbed
 from oitbench.matrix.resume import Resume
 from oitbench.matrix.sampling import (
     LEAST_SAMPLES,
     MOST_SAMPLES,
+    TASKS,
     OnStage,
     Sample,
     Sampler,
@@ -27,12 +29,11 @@ from oitbench.matrix.worker import CellsIdentified, Greeting, Hello, IdentifyCel
 from oitbench.measure.rounds import LEAST, LEAST_OF_SLOW, SLOW, WARM_UP, Schedule
 from oitbench.results.schema import Fingerprints
 from oitbench.results.store import Store
+from oitbench.workers.cores import usable_cores
 from oitbench.workers.process import Process
 
 _FULL_SIZE = 2
 """Cells that are drawn at their full size, those of the costliest scenes."""
-_TASKS = 2
-"""Tasks of a cell in a round: the whole method, and its passes."""
 _LONGEST = 20.0
 """Seconds that such a cell may be expected to take."""
 _READING_SECONDS = 5.0
@@ -124,13 +125,22 @@ def estimate(matrix: Matrix, on_stage: OnStage = lambda labels, stage: None) -> 
         methods = {cell.method for scene in due for cell in scene.todo}
         count = math.ceil(len(methods) / len(due))
         count = max(LEAST_SAMPLES, min(MOST_SAMPLES, count))
+        before, start = _usage(worker), time.perf_counter()
         samples = [sampler.sample(scene.todo, k, count) for k, scene in enumerate(due)]
+        seconds = time.perf_counter() - start
+        busy = (_usage(worker).cpu - before.cpu) / seconds
         found.unknown = [
             scene.label for scene, own in zip(due, samples, strict=True) if not own.samples
         ]
         if any(own.samples for own in samples):
             software = worker.ask(Hello(), Greeting).gl.software
             _add_up(found, due, samples, _Costs(samples), matrix, sampler, software)
+            at_once = speedup(matrix.workers, len(usable_cores()), busy)
+            for scene in due:
+                for kind, value in scene.seconds.items():
+                    shared = 1 if kind == "timing" else at_once
+                    found.seconds[kind] = found.seconds.get(kind, 0.0) + value / shared
+            found.seconds["rest"] = _READING_SECONDS
     return found
 
 
@@ -188,9 +198,9 @@ def _add_up(
     sampler: Sampler,
     software: bool,
 ) -> None:
-    """Fill in the seconds and bytes of an estimate."""
+    """Fill in the seconds of each scene, and the bytes of an estimate."""
     drawing = [float(costs.drawing.predict(scene.todo).sum()) for scene in due]
-    idle = _memory(sampler.worker)
+    idle = _usage(sampler.worker).bytes
     factor, metrics = _calibrate(drawing, samples, costs, sampler)
     largest = 0.0
     for scene, own, seconds in zip(due, samples, drawing, strict=True):
@@ -207,13 +217,8 @@ def _add_up(
         for truth in own.truths:
             if truth.pixels is None:
                 found.missing[truth.kind] = found.missing.get(truth.kind, 0) + 1
-    for scene in due:
-        for kind, value in scene.seconds.items():
-            shared = 1 if kind == "timing" else matrix.workers
-            found.seconds[kind] = found.seconds.get(kind, 0.0) + value / shared
-    found.seconds["rest"] = _READING_SECONDS
     # All frames of a scene are open while it is timed, in the memory of a software renderer.
-    found.memory = max(_memory(sampler.worker), idle + (largest if software else 0.0))
+    found.memory = max(_usage(sampler.worker).bytes, idle + (largest if software else 0.0))
 
 
 def _calibrate(
@@ -261,13 +266,14 @@ def timing_seconds(rounds: Sequence[float], schedule: Schedule) -> float:
         Seconds of each cell in one round.
     schedule : Schedule
     """
+    # Frames are opened, and drawn for the first time, in about the time of one round.
     whole = sum(rounds)
     in_budget = math.floor(schedule.budget / whole) + 1 - WARM_UP if whole > 0 else schedule.rounds
     seconds = whole
     for one in rounds:
-        if one / _TASKS > SLOW:  # Then most frames are timed by their passes alone.
+        if one / TASKS > SLOW:  # Then most frames are timed by their passes alone.
             count = 1 + min(schedule.rounds, max(LEAST_OF_SLOW, in_budget))
-            seconds += one / _TASKS * count
+            seconds += one / TASKS * count
         else:
             seconds += one * (WARM_UP + min(schedule.rounds, max(LEAST, in_budget)))
     return seconds
@@ -281,5 +287,18 @@ def _disk(own: SceneSamples, cells: Sequence[Cell], costs: _Costs) -> float:
     return float(pictures + truths * (maps + shared))
 
 
-def _memory(worker: Process) -> int:
-    return worker.ask(ProbeMemory(), MemoryProbed).bytes
+def speedup(workers: int, cores: int, busy: float) -> float:
+    """Return how much faster several workers are than one that keeps some cores busy by itself.
+
+    Parameters
+    ----------
+    workers, cores : int
+    busy : float
+        CPU time of one worker relative to the time that has passed. Software renderers and FLIP use
+        several threads.
+    """
+    return max(1.0, min(workers, cores / busy)) if busy > 0 else float(workers)
+
+
+def _usage(worker: Process) -> UsageProbed:
+    return worker.ask(ProbeUsage(), UsageProbed)

@@ -1,4 +1,4 @@
-"""The far end of estimates: what scoring a cell takes, and the memory of the process."""
+"""The far end of estimates: what scoring a cell takes, and what the process uses."""
 
 from __future__ import annotations
 
@@ -21,8 +21,8 @@ class ProbeTruths(Struct, frozen=True, tag=True):
     cell: Cell
 
 
-class ProbeMemory(Struct, frozen=True, tag=True):
-    """Asks for the largest memory that the process has had."""
+class ProbeUsage(Struct, frozen=True, tag=True):
+    """Asks for the largest memory that the process has had, and for its CPU time so far."""
 
 
 class ProbedTruth(Struct, frozen=True):
@@ -43,10 +43,11 @@ class TruthsProbed(Struct, frozen=True, tag=True):
     truths: list[ProbedTruth]
 
 
-class MemoryProbed(Struct, frozen=True, tag=True):
-    """Bytes of memory."""
+class UsageProbed(Struct, frozen=True, tag=True):
+    """Bytes of memory, and seconds of CPU time of all threads."""
 
     bytes: int
+    cpu: float
 
 
 def probe_truths(scene: Scene, cell: Cell, folders: Sequence[Path]) -> TruthsProbed:

@@ -18,7 +18,6 @@ from oitbench.matrix.cell import Cell
 from oitbench.matrix.probe import ProbedTruth, ProbeTruths, TruthsProbed
 from oitbench.matrix.timed_cells import ScoredCell
 from oitbench.matrix.worker import CellDone, CellsTimed, RunCell, TimeCells
-from oitbench.measure.rounds import WARM_UP
 from oitbench.results.schema import COMPLEXITY, TRANSMITTANCE, Outcome, flip_image
 from oitbench.truths import EXACT
 from oitbench.workers.process import Process
@@ -34,8 +33,8 @@ _SLOW = 4.0
 _NOT_DRAWING = ("building", "metrics", "references")
 _OWN_BYTES = 20
 """Of the picture and the depth of a frame, for each pixel, which no method accounts for."""
-_SETUP_ROUNDS = 1
-"""Frames are opened, and their pictures checked, in about the time of one round."""
+TASKS = 2
+"""Tasks of a cell in a round of timing: the whole method, and its passes."""
 
 
 @dataclass(frozen=True)
@@ -225,14 +224,11 @@ class Sampler:
         except OitbenchError:
             return {}
         pairs = zip(cells, reply.timings, strict=True)
-        times = {cell: timing.time for cell, timing in pairs if timing.time is not None}
-        if not times:
-            return {}
-        repeated = any(time.block.repeated for time in times.values())
-        rounds = (2 if repeated else 1) * (WARM_UP + 1) + _SETUP_ROUNDS
-        one = reply.spent.get("timing", 0.0) / rounds
-        whole = sum(time.method_ms.median for time in times.values())
-        return {cell: one * time.method_ms.median / whole for cell, time in times.items()}
+        return {
+            cell: TASKS * timing.time.method_ms.median / 1000
+            for cell, timing in pairs
+            if timing.time is not None
+        }
 
     def _truths(self, cell: Cell) -> list[ProbedTruth]:
         self.on_stage(cell.seen, "probing its truths")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -21,7 +22,7 @@ from oitbench.image.values import Show
 from oitbench.matrix import machine
 from oitbench.matrix.bench import Bench
 from oitbench.matrix.cell import Cell, choose_effects
-from oitbench.matrix.probe import MemoryProbed, ProbeMemory, ProbeTruths, TruthsProbed, probe_truths
+from oitbench.matrix.probe import ProbeTruths, ProbeUsage, TruthsProbed, UsageProbed, probe_truths
 from oitbench.matrix.timed_cells import ScoredCell, Timing
 from oitbench.measure.rounds import Schedule
 from oitbench.method.declaration import Method
@@ -163,7 +164,7 @@ Request = (
     | DrawPicture
     | DrawTargets
     | ProbeTruths
-    | ProbeMemory
+    | ProbeUsage
 )
 Reply = (
     Greeting
@@ -174,7 +175,7 @@ Reply = (
     | PictureDrawn
     | TargetsDrawn
     | TruthsProbed
-    | MemoryProbed
+    | UsageProbed
 )
 
 
@@ -205,8 +206,8 @@ def begin(settings: Settings, on_step: OnStep) -> Callable[[Request], Reply]:
         if isinstance(request, ProbeTruths):
             scene = bench.identities.scene(request.cell)
             return probe_truths(scene, request.cell, bench.collection.folders)
-        if isinstance(request, ProbeMemory):
-            return MemoryProbed(memory.peak())
+        if isinstance(request, ProbeUsage):
+            return UsageProbed(memory.peak(), time.process_time())
         schedule = Schedule(request.rounds, request.budget, request.seed)
         return CellsTimed(bench.time(request.cells, schedule), bench.watch.take())
 

@@ -11,7 +11,7 @@ import pytest
 from oitbench.errors import UsageError
 from oitbench.matrix import sampling
 from oitbench.matrix.cell import Cell
-from oitbench.matrix.estimate import estimate, timing_seconds
+from oitbench.matrix.estimate import estimate, speedup, timing_seconds
 from oitbench.matrix.plan import Matrix, plan_matrix
 from oitbench.matrix.run import run_matrix
 from oitbench.matrix.sampling import choose, extrapolate
@@ -52,6 +52,22 @@ def test_timing_takes_rounds_within_a_budget(
     rounds: list[float], schedule: Schedule, seconds: float
 ) -> None:
     assert timing_seconds(rounds, schedule) == pytest.approx(seconds)
+
+
+@pytest.mark.parametrize(
+    ("workers", "cores", "busy", "expected"),
+    [
+        (1, 8, 1.0, 1.0),
+        (2, 8, 1.0, 2.0),
+        (8, 4, 1.0, 4.0),
+        # A software renderer that uses one and a half of two cores leaves little to another worker.
+        (2, 2, 1.5, 4 / 3),
+        (2, 1, 1.2, 1.0),
+        (3, 4, 0.0, 3.0),
+    ],
+)
+def test_workers_share_the_cores(workers: int, cores: int, busy: float, expected: float) -> None:
+    assert speedup(workers, cores, busy) == pytest.approx(expected)
 
 
 def test_all_methods_are_sampled_in_some_scene() -> None:
