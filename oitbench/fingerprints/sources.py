@@ -48,7 +48,11 @@ def python_code(text: str) -> str:
     ------
     SyntaxError
     """
-    tree = ast.parse(text)
+    try:
+        tree = ast.parse(text)
+    except SystemError:
+        # Python 3.11 counts the depth of the tree wrongly if another thread parses meanwhile.
+        tree = ast.parse(text)
     for node in ast.walk(tree):
         body = getattr(node, "body", None)
         if isinstance(body, list):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import shutil
 from pathlib import Path
 
@@ -164,6 +165,22 @@ def test_sources_of_timing_change_times_but_no_picture(
     (tmp_path / "measure" / "oracle.py").write_text("x = 2\n")
     drawn = both()
     assert (drawn[0] == timed[0], drawn[1] == timed[1]) == (False, True)
+
+
+def test_a_source_is_parsed_again_if_the_parser_was_interrupted(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    parse, failing = ast.parse, [SystemError("AST constructor recursion depth mismatch")]
+
+    def interrupted(text: str) -> ast.Module:
+        if failing:
+            raise failing.pop()
+        return parse(text)
+
+    expected = python_code("x = 1\n")
+    monkeypatch.setattr(ast, "parse", interrupted)
+    assert python_code("x = 1\n") == expected
+    assert not failing
 
 
 def test_the_metrics_depend_on_their_packages(monkeypatch: pytest.MonkeyPatch) -> None:
