@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 from oitbench.effects import SHADING, effects_of, names
@@ -96,15 +96,21 @@ class Subject:
         errors = [ranking(panel, self.metric).errors for panel in self.panels]
         shared = set.intersection(*(set(found) for found in errors))
         times = [_times(panel) for panel in self.panels]
-        prices = []
-        for method in sorted(shared):
-            error = sum(found[method].error for found in errors) / len(errors)
+        ms: dict[str, float] = {}
+        for method in shared:
             known = [found[method] for found in times if method in found]
-            ms = _mean(known) if len(known) == len(times) else None
-            prices.append(Price(method, error, ms, None, self._disturbed(method)))
-        least = min((price.ms for price in prices if price.ms is not None), default=math.nan)
+            if len(known) == len(times):
+                ms[method] = _mean(known)
+        least = min(ms.values(), default=math.nan)
         prices = [
-            replace(price, cost=None if price.ms is None else price.ms / least) for price in prices
+            Price(
+                method,
+                sum(found[method].error for found in errors) / len(errors),
+                ms.get(method),
+                ms[method] / least if method in ms else None,
+                self._disturbed(method),
+            )
+            for method in sorted(shared)
         ]
         return sorted(prices, key=lambda price: (price.error, price.cost or math.inf))
 
