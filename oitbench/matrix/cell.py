@@ -99,7 +99,7 @@ class Cell(Struct, frozen=True):
         return Record(
             self.scene, self.method, name, self.size, self.ssaa, self.effects, self.seed,
             self.permutations, list(self.truths), status, reason,
-            shading=self.shading, view=self.view, **fields,
+            shading=self.shading, view=self.view, most_layers=self.most_layers, **fields,
         )  # fmt: skip
 
     @property

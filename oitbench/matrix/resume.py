@@ -101,6 +101,8 @@ def _changes(
         "the number of permutations": (record.permutations, cell.permutations),
         "the choice of truths": (set(record.truths), set(cell.truths)),
     }
+    if record.status == "skipped":
+        pairs["the limit of layers"] = record.most_layers, cell.most_layers
     # A truth always changes with its scene, which says enough.
     same_scene = before.scene == now.scene
     for truth in before.truths.keys() & now.truths.keys() if same_scene else ():

@@ -242,7 +242,8 @@ class Record(_Typed, frozen=True):
     settings of shared shading that differ from their defaults, and `permutations` the number of
     random orders of the draws. `truths` were asked for. `seconds` is the wall-clock time of
     rendering and scoring. `gl` and `fingerprints` are null if they were not known when the cell
-    failed.
+    failed. Where more than `most_layers` lie at a pixel, a method that peels them is skipped; null
+    for no limit.
     """
 
     scene: str
@@ -263,6 +264,7 @@ class Record(_Typed, frozen=True):
     time: Time | None = None
     shading: str = ""
     view: str = MAIN
+    most_layers: int | None = None
     schema: Literal[6] = VERSION
 
     @property

@@ -107,6 +107,15 @@ def test_unfinished_cells_are_tried_again(status: Status, kept: bool, tmp_path: 
     assert (redone(tmp_path, record(status=status)) is None) == kept
 
 
+def test_another_limit_of_layers_redoes_what_was_skipped(tmp_path: Path) -> None:
+    def again(status: Status, after: int | None) -> str | None:
+        return redone(tmp_path, record(status=status, most_layers=2), most_layers=after)
+
+    assert again("skipped", 2) is None
+    assert again("skipped", None) == "the limit of layers changed"
+    assert again("ok", None) is None
+
+
 def test_forced_and_new_cells_need_no_reason(tmp_path: Path) -> None:
     assert redone(tmp_path, record(), force=True) == ""
     assert redone(tmp_path, record(), effects="none") == ""
