@@ -136,7 +136,7 @@ def _draw_shares(
 ) -> None:
     _set_rows(axes, rows)
     axes.set_xlim(*ends)
-    axes.xaxis.set_major_formatter(lambda share, place: _percent(share))
+    axes.xaxis.set_major_formatter(lambda share, place: _hundredths(share))
     axes.axvline(0, color=figures.QUIET, linewidth=0.8)
     axes.axvline(1, color=figures.INK, linewidth=0.8)
     if not any(splits.values()):
@@ -146,7 +146,7 @@ def _draw_shares(
         )  # fmt: skip
     known = {rows.index(m): split for m, split in splits.items() if split and split.shares}
     _draw_bars(axes, known, ends)
-    axes.set_xlabel(f"of the squared error to {TRUTHS[ladder.last]}", fontsize=7.5)
+    axes.set_xlabel(f"% of the squared error to {TRUTHS[ladder.last]}", fontsize=7.5)
 
 
 def _draw_bars(axes: Axes, splits: Mapping[int, Split], ends: tuple[float, float]) -> None:
@@ -175,7 +175,11 @@ def _write(axes: Axes, x: float, row: int, text: str, side: str) -> None:
 
 
 def _percent(share: float) -> str:
-    return f"{100 * share:.0f} %".replace("-", "−")
+    return f"{_hundredths(share)} %"
+
+
+def _hundredths(share: float) -> str:
+    return f"{100 * share:.0f}".replace("-", "−")
 
 
 def _set_rows(axes: Axes, rows: Sequence[str]) -> None:

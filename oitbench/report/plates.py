@@ -358,15 +358,23 @@ def _heading(label: str) -> str:
 def lines_of(label: str, letters: int) -> list[str]:
     """Return the label of a method as lines, which end at underscores and before parameters.
 
-    Only words with more letters than a line are broken.
+    Only words with more letters than a line are broken, with a hyphen.
     """
     words = re.findall(r"\[.*|[^_\[]+_?|_", label)
     lines = [""]
-    for part in (word[k : k + letters] for word in words for k in range(0, len(word), letters)):
+    for part in (part for word in words for part in _parts(word, letters)):
         if lines[-1] and len(lines[-1] + part) > letters:
             lines.append("")
         lines[-1] += part
     return lines
+
+
+def _parts(word: str, letters: int) -> list[str]:
+    if len(word) <= letters:
+        return [word]
+    step = max(1, letters - 1)
+    parts = [word[start : start + step] for start in range(0, len(word), step)]
+    return [*(f"{part}-" for part in parts[:-1]), parts[-1]]
 
 
 def _draw_scale(canvas: Canvas, layout: _Layout, name: str, scale: MapScale) -> None:

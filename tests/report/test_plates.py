@@ -63,7 +63,7 @@ def test_the_scale_of_large_errors_ends_at_one(tmp_path: Path) -> None:
         ("adaptive[nodes=4]", ["adaptive", "[nodes=4]"]),
         ("multilayer_alpha", ["multilayer_", "alpha"]),
         ("dual_depth_peeling", ["dual_depth_", "peeling"]),
-        ("phenomenological", ["phenomenolo", "gical"]),
+        ("phenomenological", ["phenomenol-", "ogical"]),
         ("_odd__name", ["_odd__name"]),
     ],
 )
