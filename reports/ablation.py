@@ -164,14 +164,14 @@ def _add_labels(axes: Axes, marks: Sequence[Mark]) -> None:
             *mark.place,
             times.signed(mark.cost.effect, mark.cost.disturbed),
             palette.ink(mark.color),
-            *(mark.time.ends or (mark.time.median, mark.time.median)),
+            *mark.time.span,
             bold=mark.cost.verdict != "tie",
         )
         for mark in marks
         if mark.chosen
     ]
-    # A line without length keeps labels away from a hollow mark.
-    others = [((mark.time.median,) * 2, (mark.gain,) * 2) for mark in marks if not mark.chosen]
+    # Labels keep away from hollow marks, too.
+    others = [(mark.time.span, (mark.gain,) * 2) for mark in marks if not mark.chosen]
     labels.place(axes, written, lines=others)
 
 

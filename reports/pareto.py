@@ -214,7 +214,7 @@ def _add_labels(
             *point.place,
             point.label,
             palette.ink(context.style(point.method).color),
-            *(point.time.ends or (point.time.median, point.time.median)),
+            *point.time.span,
             bold=point in best,
         )
         for point in ordered
@@ -222,8 +222,8 @@ def _add_labels(
     lines: list[tuple[Sequence[float], Sequence[float]]] = []
     if best:
         lines.append(_front_line(axes, best))
-    # A line without length keeps labels away from a point without a name.
-    lines += [((x, x), (y, y)) for x, y in (p.place for p in points if p not in ordered)]
+    # Labels keep away from the marks without names, too.
+    lines += [(p.time.span, (p.place[1], p.place[1])) for p in points if p not in ordered]
     labels.place(axes, written, lines=lines)
 
 

@@ -26,6 +26,11 @@ class SavedTime(NamedTuple):
         """Both ends of the interval; None if there is none."""
         return None if self.low is None or self.high is None else (self.low, self.high)
 
+    @property
+    def span(self) -> tuple[float, float]:
+        """Both ends of the interval; the median twice if there is none."""
+        return self.ends or (self.median, self.median)
+
 
 @dataclass(frozen=True)
 class EffectCost:

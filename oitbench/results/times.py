@@ -35,6 +35,11 @@ class Interval(_Typed, frozen=True):
         """Both ends of the interval; None if there is none."""
         return None if self.low is None or self.high is None else (self.low, self.high)
 
+    @property
+    def span(self) -> tuple[float, float]:
+        """Both ends of the interval; the median twice if there is none."""
+        return self.ends or (self.median, self.median)
+
 
 class Processor(_Typed, frozen=True):
     """The processor: its name, the cores that this process may use, and Linux's `governor`.

@@ -2,12 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from pathlib import Path
+
+import msgspec
+import numpy as np
+import pytest
+
 from oitbench.image.ties import PARTS, Errors
 from oitbench.plugins import Collection
 from oitbench.report import fronts
 from oitbench.report.error_axis import FLOOR
 from oitbench.report.multiples import Point
 from tests.made_up import timed
+from tests.report.made_up import context, finished
 
 PARETO = Collection.load().reports["pareto"]
 
@@ -44,3 +52,18 @@ def test_the_axis_is_method_time_and_shading_does_not_count() -> None:
     point = PARETO.Point("one", timed(4.0), Errors(0.5))
     assert point.times.frame_ms.median == 5.0
     assert point.place == (4.0, 0.5)
+
+
+def test_names_keep_away_from_the_intervals_of_marks_without_names(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    errors = np.linspace(0.05, 0.9, 14)
+    cells = [finished(tmp_path, "panes", f"m{n}", e, traced=False) for n, e in enumerate(errors)]
+    times = [timed(2.0 + n, swing=1.5) for n in range(len(cells))]
+    cells = [msgspec.structs.replace(c, time=t) for c, t in zip(cells, times, strict=True)]
+    avoided: list[tuple[Sequence[float], Sequence[float]]] = []
+    monkeypatch.setattr(PARETO.labels, "place", lambda *args, lines: avoided.extend(lines))
+    PARETO.build(context(tmp_path, cells, tmp_path))
+    widths = [xs[-1] - xs[0] for xs, ys in avoided if ys[0] == ys[-1]]
+    assert len(widths) == len(cells) - 1
+    assert min(widths) > 0.5
