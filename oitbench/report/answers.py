@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from oitbench.effects import SHADING, effects_of, names
+from oitbench.report.artifacts import decimal
 from oitbench.report.cells import effect_label
 from oitbench.report.families import UNSEEN
 from oitbench.results.ranking import ranking
@@ -241,9 +242,9 @@ def described(choice: Choice | None, *, cost: bool = True) -> str:
     parts = [f"FLIP {price.error:.3f}" if price.error >= 5e-4 else "FLIP below 0.0005"]
     if price.ms is not None and price.cost is not None:
         sign = f" {SIGN}" if price.disturbed else ""
-        ratio = f"{price.cost:.2g}"
-        least = f" ({'' if ratio == '1' else f'{ratio}× '}the least time)" if cost else ""
-        parts.append(f"{price.ms:.3g} ms{sign}{least}")
+        ratio = decimal(price.cost, 2)
+        least = f" ({'' if ratio == '1.0' else f'{ratio}× '}the least time)" if cost else ""
+        parts.append(f"{decimal(price.ms)} ms{sign}{least}")
     return ", ".join(parts)
 
 

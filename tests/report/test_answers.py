@@ -63,9 +63,9 @@ def test_each_criterion_chooses_its_method(tmp_path: Path) -> None:
     names = [answer.least, answer.cheap, answer.near, answer.fastest]
     assert [one.price.method if one else None for one in names] == ["slow", "cheap", "near", "fast"]
     assert answer.least.price.cost == pytest.approx(8.0)
-    assert answers.described(answer.least) == "FLIP 0.020, 80 ms (8× the least time)"
-    assert answers.described(answer.fastest) == "FLIP 0.300, 10 ms (the least time)"
-    assert answers.described(answer.fastest, cost=False) == "FLIP 0.300, 10 ms"
+    assert answers.described(answer.least) == "FLIP 0.020, 80.0 ms (8.0× the least time)"
+    assert answers.described(answer.fastest) == "FLIP 0.300, 10.0 ms (the least time)"
+    assert answers.described(answer.fastest, cost=False) == "FLIP 0.300, 10.0 ms"
 
 
 def test_of_methods_that_tie_the_fastest_is_chosen(tmp_path: Path) -> None:
@@ -179,3 +179,10 @@ def test_the_section_has_an_answer_two_figures_and_all_errors(tmp_path: Path) ->
     assert [[shade.best for shade in row] for _, _, row in heat.rows] == [[True, False]] * 2
     text = (tmp_path / "answer.csv").read_text(encoding="utf-8")
     assert text.startswith("subject,criterion,method,")
+
+
+def test_large_numbers_have_no_exponent() -> None:
+    price = answers.Price("fog", 0.089, 1445.667, 214.49)
+    assert answers.described(answers.Choice(price)) == (
+        "FLIP 0.089, 1,446 ms (214× the least time)"
+    )
