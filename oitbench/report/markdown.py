@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from oitbench.image import metrics
+from oitbench.report.artifacts import decimal
 from oitbench.report.times import EXPLANATION, is_disturbed, signed
 from oitbench.results.ranking import largest_noise_floor, ranking
 from oitbench.results.records import Panel, Results
@@ -68,7 +69,7 @@ def _ranked(panel: Panel, methods: Sequence[str]) -> Iterator[str]:
             continue
         error = _MISSING if errors is None else f"{errors.error:.4f}"
         error = f"**{error}**" if method in best else error
-        time = f"{cell.time.method_ms.median:.3g} ms" if cell.time else _MISSING
+        time = f"{decimal(cell.time.method_ms.median)} ms" if cell.time else _MISSING
         yield f"{error}, {signed(time, is_disturbed(cell))}"
 
 
