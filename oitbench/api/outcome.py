@@ -15,6 +15,7 @@ from oitbench.errors import OitbenchError, UsageError, unknown
 from oitbench.image import files, metrics
 from oitbench.image.files import Image
 from oitbench.parameters import AnyParameter, natural
+from oitbench.report.artifacts import decimal
 from oitbench.results.records import Results
 from oitbench.results.schema import TROUBLED, Record
 from oitbench.results.table import PARAMETERS
@@ -283,7 +284,7 @@ class Outcome:
             return Tile(record.method, note, None, None)
         error = record.metric(truth, metrics.FLIP_LDR)
         parts = [] if error is None else [f"FLIP {error:.4f}"]
-        parts += [f"{record.time.method_ms.median:.3g} ms"] if record.time else []
+        parts += [f"{decimal(record.time.method_ms.median)} ms"] if record.time else []
         parts += [] if record.status == "ok" else [f"{record.status}: {record.reason}"]
         maps = self.results.flip_maps(record, truth)
         errors = None if maps is None else maps[0]

@@ -161,7 +161,7 @@ def test_a_gallery_shows_truths_and_methods_without_loss(outcome: Outcome) -> No
     for shown, seed in zip(pictures[:3], (1, 2, 3), strict=True):
         np.testing.assert_array_equal(shown, levels(picture(seed)))
     value = outcome.records[0].metric(EXACT, "flip_ldr@67ppd")
-    assert f"FLIP {value:.4f}, 2 ms" in source
+    assert f"FLIP {value:.4f}, 2.00 ms" in source
     # The largest error of all methods has the last color of the scale.
     assert (
         max(int(shown.sum(axis=2).max()) for shown in (pictures[3], pictures[5])) == 252 + 253 + 191

@@ -58,7 +58,7 @@ def test_every_page_and_table_with_times_has_the_mark(
     assert (f"{SIGN} Disturbed times." in text) is bool(mark)
     assert (f"5.00 {SIGN}" in text) is bool(mark)
     tables_of_readme = markdown.tables(Results(tmp_path, tuple(made), FACTS))
-    assert (f"5 ms {SIGN}" in tables_of_readme) is bool(mark)
+    assert (f"5.00 ms {SIGN}" in tables_of_readme) is bool(mark)
 
 
 def test_plots_have_the_mark(tmp_path: Path) -> None:

@@ -24,8 +24,8 @@ def test_scenes_are_rows_and_methods_are_columns(tmp_path: Path) -> None:
     assert ranked.splitlines()[2:] == [
         "| scene | truth | noise floor | `glow` | `murk` |",
         "| --- | --- | --- | --- | --- |",
-        f"| panes | exact | – | **0.0000**, 2 ms | {error(records[1])}, 1.7 ms |",
-        "| lists | exact | – | 0.0000, 2 ms | –, – |",
+        f"| panes | exact | – | **0.0000**, 2.00 ms | {error(records[1])}, 1.70 ms |",
+        "| lists | exact | – | 0.0000, 2.00 ms | –, – |",
     ]
     for table, name in ((matched, "matched tracing"), (full, "full path tracing")):
         title, _, *rows = table.splitlines()
