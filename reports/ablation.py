@@ -29,9 +29,10 @@ from oitbench.report import (
 )
 from oitbench.report.artifacts import Row, Value
 from oitbench.report.cells import effect_label, effect_labels, most_complete
-from oitbench.report.effect_costs import EffectCost, SavedTime, effect_costs
+from oitbench.report.effect_costs import EffectCost, effect_costs
 from oitbench.results.records import Panel
 from oitbench.results.table import MEBIBYTE
+from oitbench.results.times import Interval
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -51,7 +52,7 @@ class Mark:
     """The mark of an effect; `chosen` marks are filled and have a name."""
 
     cost: EffectCost
-    time: SavedTime
+    time: Interval
     gain: float
     color: str
     chosen: bool = False
@@ -149,7 +150,7 @@ def _draw(axes: Axes, marks: Sequence[Mark]) -> None:
 
 def _set_limits(axes: Axes, marks: Sequence[Mark]) -> None:
     """Include all marks and zero, with room for labels."""
-    ends = [end for mark in marks for end in mark.time if end is not None]
+    ends = [end for mark in marks for end in mark.time.span]
     gains = [mark.gain for mark in marks]
     left, right = min(0.0, *ends), max(0.0, *ends)
     bottom, top = min(0.0, *gains), max(0.0, *gains)
@@ -197,7 +198,8 @@ def _rows(panel: Panel, costs: Sequence[EffectCost], flip: str) -> Iterator[Row]
 
 def _saved(cost: EffectCost) -> list[Value]:
     """Return the saved time, its interval, and whether other processes disturbed it."""
-    median, low, high = cost.time or (None, None, None)
+    saved = cost.time
+    median, low, high = (saved.median, saved.low, saved.high) if saved else (None, None, None)
     numbers = {"saved_ms": median, "saved_ms_low": low, "saved_ms_high": high}
     return list(times.marked(numbers, cost.disturbed).values())
 

@@ -119,7 +119,7 @@ def _draw_sweep(axes: Axes, found: Comparison, grid: Grid, group: ByteGroup, swe
             fontsize=7.5,
             verticalalignment="top",
         )
-    axes.set_xticks(sweep.x, [f"{x:.2g}" for x in sweep.x])
+    axes.set_xticks(sweep.x, [f"{x:{'g' if sweep.by_layers else '.2g'}}" for x in sweep.x])
     axes.xaxis.set_minor_locator(NullLocator())
     axes.yaxis.set_minor_locator(NullLocator())
     if sweep.by_layers:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import NamedTuple
 
 from oitbench.image.ties import clear_difference
 from oitbench.measure.intervals import interval
@@ -12,24 +11,7 @@ from oitbench.report.cells import effect_labels, total_memory, total_traffic
 from oitbench.report.times import is_disturbed
 from oitbench.results.records import Ablation, Panel
 from oitbench.results.schema import Record
-
-
-class SavedTime(NamedTuple):
-    """Median difference of two frame times in milliseconds, with its interval if there is one."""
-
-    median: float
-    low: float | None
-    high: float | None
-
-    @property
-    def ends(self) -> tuple[float, float] | None:
-        """Both ends of the interval; None if there is none."""
-        return None if self.low is None or self.high is None else (self.low, self.high)
-
-    @property
-    def span(self) -> tuple[float, float]:
-        """Both ends of the interval; the median twice if there is none."""
-        return self.ends or (self.median, self.median)
+from oitbench.results.times import Interval
 
 
 @dataclass(frozen=True)
@@ -39,7 +21,7 @@ class EffectCost:
     Parameters
     ----------
     ablation : Ablation
-    time : SavedTime, optional
+    time : Interval, optional
         Frame time that leaving the effect out saves.
     memory, traffic : int
         Bytes that leaving the effect out saves, shared shading included.
@@ -53,7 +35,7 @@ class EffectCost:
     """
 
     ablation: Ablation
-    time: SavedTime | None
+    time: Interval | None
     memory: int
     traffic: int
     gain: float | None
@@ -104,7 +86,7 @@ def effect_costs(panel: Panel, metric: str) -> Iterator[EffectCost]:
         )
 
 
-def saved_time(complete: Record, reduced: Record) -> SavedTime | None:
+def saved_time(complete: Record, reduced: Record) -> Interval | None:
     """Return the frame time that leaving effects out saves; None if a cell has no times.
 
     The cells of a scene are timed in the same rounds, so the difference is taken in each round.
@@ -112,5 +94,4 @@ def saved_time(complete: Record, reduced: Record) -> SavedTime | None:
     if complete.time is None or reduced.time is None:
         return None
     samples = (complete.time.frame_ms.samples, reduced.time.frame_ms.samples)
-    saved = interval([one - other for one, other in zip(*samples, strict=False)])
-    return SavedTime(saved.median, saved.low, saved.high)
+    return interval([one - other for one, other in zip(*samples, strict=False)])

@@ -358,7 +358,8 @@ def _heading(label: str) -> str:
 def lines_of(label: str, letters: int) -> list[str]:
     """Return the label of a method as lines, which end at underscores and before parameters.
 
-    Only words with more letters than a line are broken, with a hyphen.
+    Only words with more letters than a line are broken, with a hyphen; parameters have none, as it
+    would be a minus.
     """
     words = re.findall(r"\[.*|[^_\[]+_?|_", label)
     lines = [""]
@@ -372,9 +373,10 @@ def lines_of(label: str, letters: int) -> list[str]:
 def _parts(word: str, letters: int) -> list[str]:
     if len(word) <= letters:
         return [word]
-    step = max(1, letters - 1)
+    hyphen = "" if word.startswith("[") else "-"
+    step = max(1, letters - len(hyphen))
     parts = [word[start : start + step] for start in range(0, len(word), step)]
-    return [*(f"{part}-" for part in parts[:-1]), parts[-1]]
+    return [*(part + hyphen for part in parts[:-1]), parts[-1]]
 
 
 def _draw_scale(canvas: Canvas, layout: _Layout, name: str, scale: MapScale) -> None:

@@ -13,7 +13,7 @@ import numpy.typing as npt
 
 from oitbench.method.families import SORTING
 from oitbench.report import palette
-from oitbench.report.artifacts import Figure, write_csv, writing_to
+from oitbench.report.artifacts import Figure, decimal, write_csv, writing_to
 from oitbench.report.figures import QUIET, canvas, save
 
 if TYPE_CHECKING:
@@ -126,7 +126,7 @@ def _draw(curves: Curves, path: Path) -> Figure:
         figure.supylabel("visibility, mean of the channels", fontsize=8)
         where = f"pixel {curves.pixel[0]}, {curves.pixel[1]} of {curves.size[0]} × {curves.size[1]}"
         count = len(curves.fragments.z)
-        last = f"{curves.fragments.z[-1, 0, 0]:.3g} m"
+        last = f"{decimal(float(curves.fragments.z[-1, 0, 0]))} m"
         title = f"{curves.scene}, {where}, {count} fragments up to {last}; gray: exact compositing"
         figure.suptitle(title, fontsize=8, color=QUIET)
         return save(figure, path, title="Visibility", caption=title)

@@ -17,6 +17,7 @@ from oitbench.results.schema import EffectNames, Record
 from oitbench.results.store import IMAGES
 from oitbench.truths import EXACT, FULL, MATCHED
 from reports import ladder as report
+from tests.report import made_up
 from tests.report.made_up import SIDE, context, finished
 
 SHAPE = (SIDE, SIDE, 3)
@@ -144,6 +145,10 @@ def test_the_section_draws_all_scenes_and_lists_all_parts(tmp_path: Path) -> Non
     assert isinstance(table, Table)
     assert isinstance(figure, Figure)
     assert "panes" in figure.title
+    # A sign of percent at each number would touch the next number.
+    drawn = made_up.words(figure.pdf)
+    assert {"0", "100"} <= set(drawn)
+    assert drawn.count("%") == 1
     assert len(table.rows) == 2
     heading = [column.key for column in table.columns]
     (row, _) = table.rows

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-import msgspec
 import numpy as np
 import pytest
 
@@ -58,9 +57,10 @@ def test_names_keep_away_from_the_intervals_of_marks_without_names(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     errors = np.linspace(0.05, 0.9, 14)
-    cells = [finished(tmp_path, "panes", f"m{n}", e, traced=False) for n, e in enumerate(errors)]
-    times = [timed(2.0 + n, swing=1.5) for n in range(len(cells))]
-    cells = [msgspec.structs.replace(c, time=t) for c, t in zip(cells, times, strict=True)]
+    cells = [
+        finished(tmp_path, "panes", f"m{n}", e, traced=False, time=timed(2.0 + n, swing=1.5))
+        for n, e in enumerate(errors)
+    ]
     avoided: list[tuple[Sequence[float], Sequence[float]]] = []
     monkeypatch.setattr(PARETO.labels, "place", lambda *args, lines: avoided.extend(lines))
     PARETO.build(context(tmp_path, cells, tmp_path))

@@ -64,6 +64,7 @@ def test_the_scale_of_large_errors_ends_at_one(tmp_path: Path) -> None:
         ("multilayer_alpha", ["multilayer_", "alpha"]),
         ("dual_depth_peeling", ["dual_depth_", "peeling"]),
         ("phenomenological", ["phenomenol-", "ogical"]),
+        ("stochastic[samples=64]", ["stochastic", "[samples=64", "]"]),
         ("_odd__name", ["_odd__name"]),
     ],
 )
