@@ -21,7 +21,15 @@ from oitbench.report import (
     tracing,
 )
 from oitbench.report.answers import Answer, Choice
-from oitbench.report.artifacts import Choices, Chosen, HeatTable, Shade, Statement, write_csv
+from oitbench.report.artifacts import (
+    Choices,
+    Chosen,
+    HeatTable,
+    Shade,
+    Statement,
+    SubjectRow,
+    write_csv,
+)
 from oitbench.report.multiples import Pane, Point
 from oitbench.results.ranking import ranking
 from oitbench.results.records import Panel
@@ -100,15 +108,27 @@ def _choices(context: ReportContext, found: Sequence[Answer]) -> Choices:
         f"Mean {context.flip_name} against the truth that ranks each scene (0 is perfect; a "
         f"difference of {answers.NEAR:g} is hard to see), geometric mean of the time that the "
         f"method adds to a frame on {where}, and its ratio to the least time in the last column. "
-        "Methods that lack a number in one of the scenes are left out. Dots have the colors of "
-        "families, as in the figures below." + times.explain(context.results.records),
+        "A method that lacks a number in one of the scenes where others have it is left out. Dots "
+        "have the colors of families, as in the figures below."
+        + times.explain(context.results.records),
         path,
         tuple(_CRITERIA[place] for place in places),
         tuple(
-            (answer.subject, answer.scenes, tuple(_shown(answer, k) for k in places))
+            SubjectRow(
+                answer.subject,
+                _remark(answer),
+                answer.scenes,
+                tuple(_shown(answer, k) for k in places),
+            )
             for answer in found
         ),
     )
+
+
+def _remark(answer: Answer) -> str:
+    count = len(answer.scenes)
+    scenes = "1 scene" if count == 1 else f"mean of {count} scenes"
+    return f"{scenes}, times of {answer.timed}" if 0 < answer.timed < count else scenes
 
 
 def _chosen(answer: Answer) -> tuple[Choice | None, ...]:

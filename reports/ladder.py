@@ -92,7 +92,7 @@ def _table(context: ReportContext, ladders: Sequence[Ladder]) -> Artifact:
 
 def _rows(ladder: Ladder) -> Iterator[Row]:
     for cell in ladder.panel.finished:
-        found = ladder.split(cell)
+        found = ladder.splits.get(cell.method)
         shares = found.shares if found else {}
         yield (
             ladder.panel.title,

@@ -21,6 +21,7 @@ from oitbench.workers.process import OnStep, WorkerError, ignore_step
 
 Expected = TypeVar("Expected", bound=Struct)
 Unit = TypeVar("Unit")
+Offered = TypeVar("Offered", covariant=True)
 Result = TypeVar("Result")
 OnLine = Callable[[str], None]
 _WAKE_SECONDS = 1.0
@@ -86,6 +87,16 @@ class Worker(Protocol):
         """End its process for good; any thread may call this."""
 
 
+class Units(Protocol[Offered]):
+    """Units of work, which workers take from the left. A deque is one."""
+
+    def __len__(self) -> int:
+        """Return how many could be taken now."""
+
+    def popleft(self) -> Offered:
+        """Return the next one."""
+
+
 class Executor:
     """Workers that do units of work; a context manager, at whose end they stop.
 
@@ -145,14 +156,14 @@ class Executor:
             worker.rest()
 
     def collect(
-        self, units: deque[Unit], work: Callable[[Worker, Unit], Iterator[Result]]
+        self, units: Units[Unit], work: Callable[[Worker, Unit], Iterator[Result]]
     ) -> Iterator[Result]:
         """Yield the results of all units as they come.
 
         Parameters
         ----------
-        units : deque
-            Workers take them from the left. More may be added while results are collected.
+        units : Units
+            There may be more of them with each result.
         work : callable
             Asks a worker for the results of a unit; it runs in a thread. If the worker is lost,
             another one answers in its place.

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import deque
 from collections.abc import Callable, Iterator
 from importlib import import_module
 from typing import Any
@@ -16,6 +15,7 @@ from oitbench.executors.executor import (
     OnLine,
     Result,
     Unit,
+    Units,
     Worker,
 )
 from oitbench.workers.messages import Step
@@ -73,7 +73,7 @@ class InProcess(Executor):
         super().__init__([self._worker], on_line)
 
     def collect(
-        self, units: deque[Unit], work: Callable[[Worker, Unit], Iterator[Result]]
+        self, units: Units[Unit], work: Callable[[Worker, Unit], Iterator[Result]]
     ) -> Iterator[Result]:
         """Do one unit after another."""
         while units:

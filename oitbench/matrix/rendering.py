@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 
@@ -10,6 +9,7 @@ import msgspec
 
 from oitbench.errors import OitbenchError, StorageError
 from oitbench.executors.executor import Executor, Worker
+from oitbench.matrix.agenda import Agenda, SceneWork
 from oitbench.matrix.cell import Cell
 from oitbench.matrix.plan import Matrix
 from oitbench.matrix.resume import Resume, describe
@@ -26,7 +26,7 @@ _Item = tuple[Cell, CellDone | None] | str
 
 @dataclass
 class Rendering:
-    """Distributes scenes over workers; a scene stays with one worker, which uploads it once.
+    """Distributes scenes over workers; each is uploaded by as few of them as possible.
 
     Parameters
     ----------
@@ -61,10 +61,7 @@ class Rendering:
 
     def run(self, executor: Executor) -> None:
         """Render and store all cells that are not kept."""
-        scenes: dict[str, list[Cell]] = {}
-        for cell in self.matrix.cells:
-            scenes.setdefault(cell.scene, []).append(cell)
-        for item in executor.collect(deque(scenes.values()), self._render_scene):
+        for item in executor.collect(Agenda(self.matrix.cells), self._render_scene):
             if isinstance(item, str):
                 self.on_line(item)
             else:
@@ -87,30 +84,36 @@ class Rendering:
         self.spent.append(done.spent)
         self.on_record(cell, record)
 
-    def _render_scene(self, worker: Worker, cells: list[Cell]) -> Iterator[_Item]:
-        content: dict[Cell, Fingerprints | None] = {}
-
-        def identify(known: list[Cell]) -> Sequence[Fingerprints | None]:
-            content.update(zip(known, self._identify(worker, known), strict=True))
-            return [content[cell] for cell in known]
-
-        todo = self.resume.redone(cells, identify)
-        yield from describe(todo)
-        lost: WorkerError | None = None
-        for cell in cells:
-            if cell not in todo:
-                yield cell, None
-                continue
+    def _render_scene(self, worker: Worker, scene: SceneWork) -> Iterator[_Item]:
+        if scene.join():
+            yield from self._begin(worker, scene)
+        first = True
+        for cell in scene.take():
             try:
-                done = self._render(worker, cell, lost)
+                done = self._render(worker, cell, scene.lost)
             except WorkerError as error:
                 done = self._unanswered(cell, error)
-                # The other cells need the same part, which would fail again.
-                lost = error if error.shared else None
-            if done.record.fingerprints is None and content.get(cell) is not None:
-                known = msgspec.structs.replace(done.record, fingerprints=content[cell])
+                if error.shared:
+                    # The other cells need the same part, which would fail again.
+                    scene.lost = error
+            if done.record.fingerprints is None and scene.content.get(cell) is not None:
+                known = msgspec.structs.replace(done.record, fingerprints=scene.content[cell])
                 done = msgspec.structs.replace(done, record=known)
+            scene.count(done.record.seconds, first=first)
+            first = False
             yield cell, done
+
+    def _begin(self, worker: Worker, scene: SceneWork) -> Iterator[_Item]:
+        """Choose the cells to draw, and yield the others."""
+
+        def identify(known: list[Cell]) -> Sequence[Fingerprints | None]:
+            scene.content.update(zip(known, self._identify(worker, known), strict=True))
+            return [scene.content[cell] for cell in known]
+
+        todo = self.resume.redone(scene.cells, identify)
+        yield from describe(todo)
+        yield from ((cell, None) for cell in scene.cells if cell not in todo)
+        scene.begin(todo)
 
     def _identify(self, worker: Worker, cells: list[Cell]) -> Sequence[Fingerprints | None]:
         usable = [cell for cell in cells if cell not in self.matrix.unusable]

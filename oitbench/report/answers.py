@@ -2,7 +2,8 @@
 
 Over several scenes, errors are averaged arithmetically, and method times geometrically, so that
 scenes of different sizes count alike. A method's *cost* is its mean time relative to the least mean
-time. Only methods with all numbers in all of these scenes are compared.
+time. Only methods with an error in all of these scenes are compared, by the times of those scenes
+that were timed.
 """
 
 from __future__ import annotations
@@ -39,7 +40,8 @@ class Price:
     error : float
         Mean FLIP error against the truths that rank the scenes.
     ms : float, optional
-        Geometric mean of its method time, in ms; None if it was not timed in each scene.
+        Geometric mean of its method time, in ms; None if it was not timed in each scene in which
+        another method was.
     cost : float, optional
         That time relative to the least one.
     disturbed : bool
@@ -70,6 +72,8 @@ class Answer:
     subject : str
     scenes : tuple of str
         Titles of the panels.
+    timed : int
+        Scenes that give the times: less than all where no method was timed in one of them.
     least, cheap, near, fastest : Choice, optional
         The least error, whatever the time; the least error of methods that are cheap; the cheapest
         of the methods near the least error; and the fastest. Only the first does without times.
@@ -77,6 +81,7 @@ class Answer:
 
     subject: str
     scenes: tuple[str, ...]
+    timed: int
     least: Choice
     cheap: Choice | None
     near: Choice | None
@@ -96,12 +101,11 @@ class Subject:
         """All methods that have an error in each scene, the least error first."""
         errors = [ranking(panel, self.metric).errors for panel in self.panels]
         shared = set.intersection(*(set(found) for found in errors))
-        times = [_times(panel) for panel in self.panels]
-        ms: dict[str, float] = {}
-        for method in shared:
-            known = [found[method] for found in times if method in found]
-            if len(known) == len(times):
-                ms[method] = _mean(known)
+        ms = {
+            method: _mean([found[method] for found in self._times])
+            for method in shared
+            if self._times and all(method in found for found in self._times)
+        }
         least = min(ms.values(), default=math.nan)
         prices = [
             Price(
@@ -114,6 +118,16 @@ class Subject:
             for method in sorted(shared)
         ]
         return sorted(prices, key=lambda price: (price.error, price.cost or math.inf))
+
+    @cached_property
+    def _best(self) -> list[set[str]]:
+        """The methods that tie for the least error, of each scene."""
+        return [set(ranking(panel, self.metric).best) for panel in self.panels]
+
+    @cached_property
+    def _times(self) -> list[Mapping[str, float]]:
+        """Median method times by method, of each scene that was timed."""
+        return [found for panel in self.panels if (found := _times(panel))]
 
     def _disturbed(self, method: str) -> bool:
         cells = [cell for panel in self.panels for cell in panel.finished if cell.method == method]
@@ -132,6 +146,7 @@ class Subject:
         return Answer(
             self.name,
             titles,
+            len(self._times),
             least,
             self._least(cheap) if cheap else None,
             Choice(min(near, key=_cost)) if near else None,
@@ -150,7 +165,7 @@ class Subject:
         if price.error - best.error <= UNSEEN:
             return True
         pair = {price.method, best.method}
-        return all(pair <= set(ranking(panel, self.metric).best) for panel in self.panels)
+        return all(pair <= best for best in self._best)
 
 
 def subjects(panels: Iterable[Panel], metric: str) -> list[Subject]:

@@ -241,18 +241,30 @@ class Chosen:
 
 
 @dataclass(frozen=True)
+class SubjectRow:
+    """The choices for one subject: one, or None, for each criterion.
+
+    `remark` says how many scenes they come from; `scenes` are the titles of those.
+    """
+
+    subject: str
+    remark: str
+    scenes: tuple[str, ...]
+    chosen: tuple[Chosen | None, ...]
+
+
+@dataclass(frozen=True)
 class Choices:
     """A table of methods that criteria choose for subjects.
 
-    `rows` have a subject, the titles of its scenes, and a choice or None for each criterion. Each
-    criterion has words and a tooltip.
+    Each criterion has words and a tooltip.
     """
 
     title: str
     caption: str
     csv: Path
     criteria: tuple[tuple[str, str], ...]
-    rows: tuple[tuple[str, tuple[str, ...], tuple[Chosen | None, ...]], ...]
+    rows: tuple[SubjectRow, ...]
 
 
 @dataclass(frozen=True)

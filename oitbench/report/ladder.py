@@ -13,7 +13,7 @@ sign, to products of neighbors; it is subtracted from each.
 from __future__ import annotations
 
 import itertools
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -126,14 +126,14 @@ class Ladder:
         exact = self._exact()
         if exact is None or traced[:1] != [MATCHED]:
             return None
-        pictures: list[Picture] = [exact]
+        pictures: list[Picture] = [exact.astype(np.float64)]
         variances = [0.0]
         for truth in traced:
             image = plates.first_image(self.context, self.panel, truth)
             floor = largest_noise_floor(self.panel.finished, truth, metrics.RMSE)
             if image is None or image.shape != exact.shape:
                 return None
-            pictures.append(image)
+            pictures.append(image.astype(np.float64))
             variances.append((floor or 0.0) ** 2)
         return pictures, variances
 
@@ -149,8 +149,13 @@ class Ladder:
         """The last truth of the ladder."""
         return FULL if FULL in self.truths else MATCHED
 
-    def split(self, cell: Record) -> Split | None:
-        """Return the squared error of a cell to the last truth; None if a picture is missing."""
+    @cached_property
+    def splits(self) -> Mapping[str, Split]:
+        """The squared errors to the last truth, by method; none where a picture is missing."""
+        found = {cell.method: self._split(cell) for cell in self.panel.finished}
+        return {method: split for method, split in found.items() if split is not None}
+
+    def _split(self, cell: Record) -> Split | None:
         below = self._below
         if below is None or cell.outcome is None:
             return None

@@ -44,17 +44,16 @@ def draw(context: ReportContext, ladders: Sequence[Ladder], path: Path, title: s
     title : str
     """
     rows = _methods(context, ladders)
-    found = [{c.method: ladder.split(c) for c in ladder.panel.finished} for ladder in ladders]
     down = math.ceil(len(ladders) / _ACROSS)
     across = min(_ACROSS, len(ladders))
     height = down * (_AROUND + _ROW * max(_LEAST_ROWS, len(rows))) + _LEGEND
     with figures.canvas(figures.WIDTH, height) as figure:
         grid = figure.subplots(down, 2 * across, squeeze=False).reshape(-1, 2)
         highest = max((d for ladder in ladders for d in _distances(ladder)), default=0.0)
-        ends = _ends([split for splits in found for split in splits.values() if split])
-        for (left, right), ladder, splits in zip(grid, ladders, found, strict=False):
+        ends = _ends([split for ladder in ladders for split in ladder.splits.values()])
+        for (left, right), ladder in zip(grid, ladders, strict=False):
             _draw_distances(left, ladder, rows, highest)
-            _draw_shares(right, ladder, splits, rows, ends)
+            _draw_shares(right, ladder, rows, ends)
         for left, right in grid[len(ladders) :]:
             left.set_visible(False)
             right.set_visible(False)
@@ -128,23 +127,19 @@ def _known(ladder: Ladder, truth: str, rows: Sequence[str]) -> dict[int, float]:
 
 
 def _draw_shares(
-    axes: Axes,
-    ladder: Ladder,
-    splits: Mapping[str, Split | None],
-    rows: Sequence[str],
-    ends: tuple[float, float],
+    axes: Axes, ladder: Ladder, rows: Sequence[str], ends: tuple[float, float]
 ) -> None:
     _set_rows(axes, rows)
     axes.set_xlim(*ends)
     axes.xaxis.set_major_formatter(lambda share, place: _hundredths(share))
     axes.axvline(0, color=figures.QUIET, linewidth=0.8)
     axes.axvline(1, color=figures.INK, linewidth=0.8)
-    if not any(splits.values()):
+    if not ladder.splits:
         axes.text(
             0.5, 0.5, "no picture of all truths", transform=axes.transAxes, fontsize=7.5,
             color=figures.QUIET, horizontalalignment="center",
         )  # fmt: skip
-    known = {rows.index(m): split for m, split in splits.items() if split and split.shares}
+    known = {rows.index(m): split for m, split in ladder.splits.items() if split.shares}
     _draw_bars(axes, known, ends)
     axes.set_xlabel(f"% of the squared error to {TRUTHS[ladder.last]}", fontsize=7.5)
 

@@ -16,8 +16,7 @@ _NOTHING = 0.005
 
 def words(ladder: Ladder) -> str:
     """Return sentences on the method of least error and on the range of all; "" without parts."""
-    found = {cell.method: ladder.split(cell) for cell in ladder.panel.finished}
-    splits = {method: split for method, split in found.items() if split is not None}
+    splits = ladder.splits
     ranked = [m for m in ranking(ladder.panel, ladder.context.flip).errors if m in splits]
     if not ranked:
         return ""

@@ -67,9 +67,7 @@ def text(artifact: Artifact) -> str:
         return _written(artifact, "l" + "r" * len(artifact.columns) + "l", heading, rows)
     if isinstance(artifact, Choices):
         heading = ("For", *(escaped(words) for words, _ in artifact.criteria))
-        chosen = [
-            (escaped(subject), *map(_chosen, choices)) for subject, _, choices in artifact.rows
-        ]
+        chosen = [(escaped(row.subject), *map(_chosen, row.chosen)) for row in artifact.rows]
         return _written(artifact, "l" * len(heading), heading, chosen)
     raise TypeError(f"{type(artifact).__name__} is no table")
 

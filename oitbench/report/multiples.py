@@ -168,18 +168,21 @@ def _draw_pane(axes: Axes, pane: Pane) -> None:
         axes.plot(
             [p.cost for p in curve], [p.y for p in curve], color=color, linewidth=0.9, zorder=2
         )
+    groups: dict[tuple[str, bool], list[Point]] = {}
     for point in pane.points:
-        color, marker = palette.family_look(point.family)
+        groups.setdefault((point.family, point in best), []).append(point)
+    for (family, front), points in groups.items():
+        color, marker = palette.family_look(family)
         axes.plot(
-            point.cost,
-            point.y,
+            [point.cost for point in points],
+            [point.y for point in points],
             marker=marker,
             markersize=6 if marker == "*" else 4.2,
             color=color,
             markeredgecolor="white",
             markeredgewidth=0.4,
             linestyle="none",
-            zorder=4 if point in best else 3,
+            zorder=4 if front else 3,
         )
     axes.set_title(f"{pane.title}\n{pane.truth}", fontsize=7, pad=3)
 

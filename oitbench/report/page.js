@@ -7,13 +7,18 @@ function compare(a, b) {
   return numbers.some(Number.isNaN) ? a.localeCompare(b, "en", { numeric: true }) : numbers[0] - numbers[1];
 }
 
+function keyOf(cell) {
+  // Numbers are written with commas, and texts between line breaks.
+  return cell.dataset.sort ?? (cell.className === "number" ? cell.textContent.replaceAll(",", "") : cell.textContent.trim());
+}
+
 function sort(table, heading) {
   const column = heading.cellIndex;
   const rising = heading.getAttribute("aria-sort") !== "ascending";
   for (const other of heading.parentNode.cells) other.removeAttribute("aria-sort");
   heading.setAttribute("aria-sort", rising ? "ascending" : "descending");
   const body = table.tBodies[0];
-  const rows = Array.from(body.rows, (row) => [row.cells[column].dataset.sort, row]);
+  const rows = Array.from(body.rows, (row) => [keyOf(row.cells[column]), row]);
   rows.sort(([a], [b]) => {
     // Missing values stay last in both directions.
     if (a === "" || b === "") return (a === "") - (b === "");

@@ -11,13 +11,13 @@ from __future__ import annotations
 
 import base64
 import json
-import zlib
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
+from isal import isal_zlib
 
 from oitbench.image.files import Image
 
@@ -25,7 +25,7 @@ Codes = npt.NDArray[np.uint8] | npt.NDArray[np.uint16]
 """Numbers that stand for the values of a picture, shape (h, w) or (h, w, 3)."""
 FUNCTION = "oitbenchPixels"
 """The function of the page that a script calls."""
-_LEVEL = 3  # a third of the time of the default level, for 6 % more bytes
+_LEVEL = 1  # an eighth of the time that zlib takes at its level 3, for as many bytes
 _LARGEST_HALF = float(np.finfo(np.float16).max)
 
 
@@ -57,7 +57,7 @@ def pack(codes: Codes) -> dict[str, Any]:
     octets = np.ascontiguousarray(channels.astype(f">u{depth}")).view(np.uint8)
     planes = np.moveaxis(octets.reshape(len(channels), height, width, depth), 3, 1)
     differences = np.diff(planes, axis=-1, prepend=np.uint8(0))
-    data = base64.b64encode(zlib.compress(differences.tobytes(), _LEVEL)).decode()
+    data = base64.b64encode(isal_zlib.compress(differences.tobytes(), _LEVEL)).decode()
     return {"width": width, "height": height, "bits": 8 * depth, "data": data}
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import threading
 import time
 from collections import deque
 from collections.abc import Iterator
@@ -15,6 +16,8 @@ from oitbench.errors import UsageError
 from oitbench.executors import inventory
 from oitbench.executors.executor import Worker
 from oitbench.executors.places import Place
+from oitbench.matrix.agenda import Agenda, SceneWork
+from oitbench.matrix.cell import Cell
 from oitbench.workers.cores import usable_cores
 from oitbench.workers.process import WorkerError
 from tests.executors.far import Act, Done, far_end
@@ -60,6 +63,29 @@ def test_results_come_one_by_one_and_units_may_be_added(place: Place, tmp_path: 
     of_unit = {done.text: done.pid for done in found}
     assert of_unit["1a"] == of_unit["1b"]
     assert (os.getpid() in of_unit.values()) == (place.workers == 0)
+
+
+@others
+def test_an_idle_worker_joins_the_last_scene(place: Place, tmp_path: Path) -> None:
+    cells, joined = [Cell("a", f"m{number}", (8, 8)) for number in range(6)], threading.Event()
+
+    def work(worker: Worker, scene: SceneWork) -> Iterator[tuple[Cell, int]]:
+        alone = scene.join()
+        if alone:
+            scene.begin(cells)
+        for place, cell in enumerate(scene.take()):
+            if alone and place == 2:
+                assert joined.wait(60)
+            done = worker.ask(Act("draw"), Done)
+            if not alone:
+                joined.set()
+            scene.count(1.0 if place else 0.0, first=not place)
+            yield cell, done.pid
+
+    with place.open(far_end(tmp_path)) as executor:
+        found = list(executor.collect(Agenda(cells), work))
+    assert sorted(cell.method for cell, _ in found) == [cell.method for cell in cells]
+    assert len({pid for _, pid in found}) == 2
 
 
 @every

@@ -106,6 +106,41 @@ def test_without_times_only_the_least_error_is_known(tmp_path: Path) -> None:
     assert answers.described(answer.least) == "FLIP 0.100"
 
 
+def test_times_come_from_the_scenes_that_were_timed(tmp_path: Path) -> None:
+    found = panels(
+        tmp_path,
+        cell("a", "x", 0.1, 10.0),
+        cell("a", "y", 0.2, 40.0),
+        cell("b", "x", 0.3, None),
+        cell("b", "y", 0.1, None),
+    )
+    answer = only_answer(found)
+    assert (answer.least.price.method, answer.least.price.ms) == ("y", 40.0)
+    assert answer.fastest is not None
+    assert (answer.fastest.price.method, answer.timed) == ("x", 1)
+
+
+def test_the_table_says_how_many_scenes_were_timed(tmp_path: Path) -> None:
+    timed, untimed = (finished(tmp_path, scene, "glow", 0.1) for scene in ("a", "b"))
+    untimed = msgspec.structs.replace(untimed, time=None)
+    shown: ReportContext = context(tmp_path, [timed, untimed], tmp_path)
+    table = Collection.load().reports["answer"].build(shown)[0]
+    assert isinstance(table, Choices)
+    assert [row.remark for row in table.rows] == ["mean of 2 scenes, times of 1"]
+
+
+def test_a_method_that_lacks_one_time_has_none(tmp_path: Path) -> None:
+    found = panels(
+        tmp_path,
+        cell("a", "x", 0.1, 10.0),
+        cell("a", "y", 0.2, 40.0),
+        cell("b", "x", 0.1, None),
+        cell("b", "y", 0.2, 50.0),
+    )
+    (subject,) = answers.subjects(found, FLIP)
+    assert {price.method: price.cost for price in subject.prices} == {"x": None, "y": 1.0}
+
+
 def test_subjects_of_many_scenes_come_first_and_others_last(tmp_path: Path) -> None:
     found = panels(
         tmp_path,
@@ -168,7 +203,8 @@ def test_the_section_has_an_answer_two_figures_and_all_errors(tmp_path: Path) ->
     ]  # fmt: skip
     table = parts[0]
     assert isinstance(table, Choices)
-    for _, _, (use, *others) in table.rows:
+    for row in table.rows:
+        use, *others = row.chosen
         assert use is not None
         assert use.method == "glow"
         # Numbers that stand in the first column already are not repeated.

@@ -85,8 +85,7 @@ def test_noise_is_subtracted_from_each_part() -> None:
 
 
 def test_a_cell_is_split_at_its_stored_pictures(tmp_path: Path) -> None:
-    found = ladder(tmp_path, made := cell(tmp_path, "murk", LEVELS)).split(made)
-    assert found is not None
+    found = ladder(tmp_path, cell(tmp_path, "murk", LEVELS)).splits["murk"]
     assert found.total == pytest.approx(0.49, rel=1e-6)
     expected = {COMPOSITING: 0.01, EFFECTS: 0.04, SHADING: 0.16, CROSS: 0.28}
     assert found.parts == pytest.approx(expected, rel=1e-5)
@@ -96,8 +95,7 @@ def test_a_cell_is_split_at_its_stored_pictures(tmp_path: Path) -> None:
 def test_without_full_tracing_the_ladder_ends_at_matched(tmp_path: Path) -> None:
     made = cell(tmp_path, "murk", {k: v for k, v in LEVELS.items() if k != FULL})
     found = ladder(tmp_path, made)
-    split_ = found.split(made)
-    assert split_ is not None
+    split_ = found.splits["murk"]
     assert (found.last, split_.parts[SHADING]) == (MATCHED, 0.0)
     assert split_.total == pytest.approx(0.09, rel=1e-5)
     assert "shading" not in ladder_words.words(found)
@@ -107,17 +105,15 @@ def test_reduced_pictures_are_compared_with_each_other(tmp_path: Path) -> None:
     """The picture and exact compositing are split at the size of the traced truths."""
     levels = LEVELS | {PICTURE: 0.9, EXACT: 0.95, REDUCED: 0.15}
     murk = cell(tmp_path, "murk", levels)
-    assert ladder(tmp_path, murk).split(murk) is None
+    assert not ladder(tmp_path, murk).splits
     murk = cell(tmp_path, "murk", levels | {REDUCED_EXACT: 0.25})
-    found = ladder(tmp_path, murk).split(murk)
-    assert found is not None
+    found = ladder(tmp_path, murk).splits["murk"]
     assert found.parts[COMPOSITING] == pytest.approx(0.01, rel=1e-5)
     assert found.parts[EFFECTS] == pytest.approx(0.15**2, rel=1e-5)
 
 
 def test_noise_and_small_errors_have_no_shares(tmp_path: Path) -> None:
-    noisy = ladder(tmp_path, made := cell(tmp_path, "murk", LEVELS, floor=0.6)).split(made)
-    assert noisy is not None
+    noisy = ladder(tmp_path, cell(tmp_path, "murk", LEVELS, floor=0.6)).splits["murk"]
     assert noisy.shares == {}
     small = split([np.full(SHAPE, level) for level in (0.5, 0.501, 0.5015)], [0.0] * 3)
     assert small.shares == {}

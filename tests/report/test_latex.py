@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from oitbench.report import Column, Note, latex, write_table
-from oitbench.report.artifacts import Choices, Chosen, HeatTable, Shade
+from oitbench.report.artifacts import Choices, Chosen, HeatTable, Shade, SubjectRow
 
 COLUMNS = (
     Column("method", "Method", kind="method"),
@@ -57,7 +57,7 @@ def test_a_heat_table_marks_the_best(tmp_path: Path) -> None:
 
 
 def test_choices_are_a_table(tmp_path: Path) -> None:
-    rows = (("smoke", ("a", "b"), (Chosen("m_1", "FLIP 0.1"), None)),)
+    rows = (SubjectRow("smoke", "2 scenes", ("a", "b"), (Chosen("m_1", "FLIP 0.1"), None)),)
     table = Choices("Which", "", tmp_path / "c.csv", (("Best", ""), ("Fastest", "")), rows)
     assert "smoke & m\\_1, FLIP 0.1 & -- \\\\" in latex.text(table)
 
