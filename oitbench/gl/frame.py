@@ -157,7 +157,7 @@ class Frame(Owner):
             plan.effects, shading, plan.samples, plan.mechanism or "",
             read_per_sample(plan.passes, plan.declared),
         )  # fmt: skip
-        self.orders = self.own(DrawOrders(device.context, geometry.batches, plan.passes))
+        self.orders = self.own(DrawOrders(device.context, geometry, plan.passes))
         self._steps = [self._compile(blueprint, step) for step in plan.steps]
         resources = self.resources
         self._executor = Executor(

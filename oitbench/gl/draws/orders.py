@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Iterable, Mapping
+from collections.abc import Hashable, Iterable
 
 import moderngl
 
-from oitbench.gl.batches import Batch, IndexOrder
+from oitbench.gl.batches import IndexOrder
+from oitbench.gl.geometry import Geometry
 from oitbench.gl.ownership import Owner
 from oitbench.method.passes import Gather, Objects, Order, Pass
 
@@ -17,7 +18,8 @@ class DrawOrders(Owner):
     Parameters
     ----------
     context : moderngl.Context
-    batches : mapping of Objects to Batch
+    geometry : Geometry
+        Owns the order of submission, which all frames share.
     passes : iterable of Gather or Resolve
 
     Attributes
@@ -30,11 +32,12 @@ class DrawOrders(Owner):
     def __init__(
         self,
         context: moderngl.Context,
-        batches: Mapping[Objects, Batch],
+        geometry: Geometry,
         passes: Iterable[Pass],
     ) -> None:
         super().__init__()
-        self._context, self._batches = context, batches
+        self._context, self._geometry = context, geometry
+        self._buffers: dict[Hashable, moderngl.Buffer] = {}
         wanted = {(item.order, item.objects) for item in passes if isinstance(item, Gather)}
         self._wanted = sorted(wanted, key=str)
         self.uploaded: dict[Hashable, IndexOrder] = {}
@@ -62,10 +65,13 @@ class DrawOrders(Owner):
                 self._upload(order, objects, None)
 
     def _upload(self, order: Order, objects: Objects, permutation: int | None) -> None:
-        known = self.uploaded.get((order, objects))
-        triangles, units = self._batches[objects].arrange(order, permutation)
-        buffer = known.indices if known else None
+        key, batch = (order, objects), self._geometry.batches[objects]
+        if order is Order.SUBMISSION and permutation is None:
+            self.uploaded[key] = self._geometry.in_submission_order(batch)
+            return
+        triangles, units = batch.arrange(order, permutation)
+        buffer = self._buffers.get(key)
         arranged = IndexOrder.upload(self._context, triangles, units, buffer)
-        if known is None:
-            self.own(arranged.indices)
-        self.uploaded[order, objects] = arranged
+        if buffer is None:
+            self._buffers[key] = self.own(arranged.indices)
+        self.uploaded[key] = arranged
