@@ -48,6 +48,7 @@ _LEAST_VALUES = 3
 _ACROSS = 3
 # Inches of the axes of one sweep with their labels.
 _WIDTH, _HEIGHT = 3.13, 2.7
+_MARGINS = figures.Margins(left=0.78, right=0.08, top=0.3, bottom=0.58, columns=0.82, rows=0.86)
 # Values whose largest is at least that many times the smallest have a logarithmic axis.
 _WIDE = 8
 # Numbers that have room below an axis.
@@ -187,8 +188,9 @@ def _figure(context: ReportContext, axis: Axis, curves: Sequence[Curve]) -> Arti
         plots.setdefault(plot, []).append(curve)
     across = min(_ACROSS, len(plots))
     down = -(-len(plots) // across)
-    with figures.canvas(_WIDTH * across, _HEIGHT * down) as figure:
-        grid = list(figure.subplots(down, across, squeeze=False).flat)
+    size = _WIDTH * across, _HEIGHT * down
+    with figures.canvas(*size, by_hand=True) as figure:
+        grid = figures.grid(figure, down, across, _MARGINS)
         for axes in grid[len(plots) :]:
             axes.remove()
         for axes, shown in zip(grid, plots.values(), strict=False):

@@ -24,12 +24,11 @@ _ROW_HEIGHT = 0.235
 _MARGIN = 0.75
 _LEGEND = 0.25
 _BAR_HEIGHT = 0.72
-Line = tuple[tuple[float, float], ...]
-"""Points (x, y)."""
 SHARED = "#b5b5b5"
 """Color of what all methods share."""
 _SHARED_NAME = "shared by all methods"
 _SHARED_NOTE = "Below the line: work that all methods share, such as shadow maps."
+_Points = tuple[tuple[float, float], ...]
 
 
 @dataclass(frozen=True)
@@ -170,9 +169,9 @@ def _add_legend(axes: Axes, colors: Mapping[str, str]) -> None:
 class _Shapes:
     """The boxes of a bar with their colors, and the white lines between its blocks."""
 
-    boxes: tuple[Line, ...]
+    boxes: tuple[_Points, ...]
     colors: tuple[str, ...]
-    separators: tuple[Line, ...]
+    separators: tuple[_Points, ...]
 
 
 def _add_shapes(axes: Axes, bars: Sequence[_Shapes]) -> None:

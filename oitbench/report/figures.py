@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass
 from importlib import resources
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -26,6 +27,18 @@ _POINTS_PER_INCH = 72
 _COMPRESSION = 3  # a third of the time of the default level, for a tenth more bytes
 # Marker, fill and size of each truth; those of methods have other forms and colors.
 _TRUTHS = {EXACT: ("o", "none", 7.0), MATCHED: ("o", INK, 4.2), FULL: ("|", INK, 7.5)}
+
+
+@dataclass(frozen=True)
+class Margins:
+    """Room for texts around the axes of a grid, and between its columns and rows, in inches."""
+
+    left: float
+    right: float
+    top: float
+    bottom: float
+    columns: float
+    rows: float
 
 
 @contextmanager
@@ -53,6 +66,49 @@ def canvas(width: float, height: float, *, by_hand: bool = False) -> Iterator[Ca
         )
         FigureCanvasAgg(figure)
         yield figure
+
+
+def grid(
+    figure: Canvas,
+    down: int,
+    across: int,
+    margins: Margins,
+    *,
+    share: bool = False,
+) -> list[Axes]:
+    """Return the axes of a grid, row by row, in a figure that is laid out by hand.
+
+    To measure all texts of many axes takes matplotlib as long as to draw them.
+
+    Parameters
+    ----------
+    figure : Figure
+        From `canvas(…, by_hand=True)`.
+    down, across : int
+        Rows and columns.
+    margins : Margins
+    share : bool
+        Whether all share both axes.
+    """
+    width, height = figure.get_size_inches()
+    wide = (width - margins.left - margins.right - (across - 1) * margins.columns) / across
+    high = (height - margins.top - margins.bottom - (down - 1) * margins.rows) / down
+    axes = figure.subplots(
+        down,
+        across,
+        sharex=share,
+        sharey=share,
+        squeeze=False,
+        gridspec_kw={
+            "left": margins.left / width,
+            "right": 1 - margins.right / width,
+            "bottom": margins.bottom / height,
+            "top": 1 - margins.top / height,
+            "wspace": margins.columns / wide,
+            "hspace": margins.rows / high,
+        },
+    )
+    return list(axes.flat)
 
 
 def save(figure: Canvas, path: Path, *, title: str, caption: str) -> Figure:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -19,7 +19,11 @@ if TYPE_CHECKING:
     from matplotlib.lines import Line2D
 
 _ACROSS = 5
-_HEIGHT = 1.75
+# Inches: a pane, with its title above and the numbers below it; texts around all; a legend's line.
+_HEIGHT = 1.72
+_MARGINS = figures.Margins(left=0.69, right=0.04, top=0.34, bottom=0.44, columns=0.14, rows=0.42)
+_LEGEND_LINE = 0.17
+_LEGEND_COLUMNS = 4
 _LEAST_VALUES = 3
 
 
@@ -120,8 +124,11 @@ def small_multiples(
     """
     down = math.ceil(len(panes) / _ACROSS)
     across = math.ceil(len(panes) / down)
-    with figures.canvas(figures.WIDTH, _HEIGHT * down + 0.85) as figure:
-        grid = figure.subplots(down, across, sharex=True, sharey=True, squeeze=False).ravel()
+    legend = _LEGEND_LINE * math.ceil(len(handles) / _LEGEND_COLUMNS)
+    margins = replace(_MARGINS, top=_MARGINS.top + legend)
+    height = _HEIGHT * down + margins.top + margins.bottom - margins.rows
+    with figures.canvas(figures.WIDTH, height, by_hand=True) as figure:
+        grid = figures.grid(figure, down, across, margins, share=True)
         _set_scales(grid[0], points)
         for axes, draw_pane in zip(grid, panes, strict=False):
             axes.grid(True, axis="both", linewidth=0.4)
@@ -131,10 +138,14 @@ def small_multiples(
         for place in range(len(panes), len(grid)):
             grid[place].set_visible(False)
             grid[place - across].xaxis.set_tick_params(labelbottom=True)
-        figure.supxlabel(x, fontsize=8.5)
-        figure.supylabel(error_axis.label(metric), fontsize=8.5)
+        figure.supxlabel(x, fontsize=8.5, y=0.06 / height)
+        figure.supylabel(error_axis.label(metric), fontsize=8.5, x=0.06 / figures.WIDTH)
         figure.legend(
-            handles=handles, loc="outside upper center", ncols=4, fontsize=7.5, frameon=False
+            handles=handles,
+            loc="upper center",
+            borderaxespad=0.3,
+            ncols=_LEGEND_COLUMNS,
+            fontsize=7.5,
         )
         return figures.save(figure, path, title=title, caption=caption)
 
