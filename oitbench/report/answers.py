@@ -258,7 +258,7 @@ def described(choice: Choice | None, *, cost: bool = True) -> str:
     if price.ms is not None and price.cost is not None:
         sign = f" {SIGN}" if price.disturbed else ""
         ratio = decimal(price.cost, 2)
-        least = f" ({'' if ratio == '1.0' else f'{ratio}× '}the least time)" if cost else ""
+        least = f" ({f'{ratio}× ' if price.cost > 1 else ''}the least time)" if cost else ""
         parts.append(f"{decimal(price.ms)} ms{sign}{least}")
     return ", ".join(parts)
 

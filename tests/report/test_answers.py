@@ -217,6 +217,12 @@ def test_the_section_has_an_answer_two_figures_and_all_errors(tmp_path: Path) ->
     assert text.startswith("subject,criterion,method,")
 
 
+def test_only_the_least_time_is_called_so() -> None:
+    first, next_ = (answers.Price("m", 0.1, 10.0 * cost, cost) for cost in (1.0, 1.04))
+    assert answers.described(answers.Choice(first)).endswith("10.0 ms (the least time)")
+    assert answers.described(answers.Choice(next_)).endswith("10.4 ms (1.0× the least time)")
+
+
 def test_large_numbers_have_no_exponent() -> None:
     price = answers.Price("fog", 0.089, 1445.667, 214.49)
     assert answers.described(answers.Choice(price)) == (
