@@ -1,8 +1,8 @@
 """Samples of what cells cost: a few of each scene, drawn at two small sizes and extrapolated.
 
 Every part of a cell that depends on its size grows with the number of pixels, so that two sizes
-determine it. A cell that is drawn for the first time also compiles its shaders. A cell that is slow
-even at the smaller size is not drawn at the other one, and grows in proportion.
+determine it. A cell that is drawn for the first time also compiles its shaders. For a cell that is
+slow even at the smaller size, the other one is smaller still.
 """
 
 from __future__ import annotations
@@ -26,10 +26,10 @@ Size = tuple[int, int]
 OnStage = Callable[[str, str], None]
 LEAST_SAMPLES, MOST_SAMPLES = 2, 4
 """Cells of each scene that are drawn."""
-_SMALL, _MIDDLE = 4, 2
-"""Divisors of the sides of the two small sizes."""
+_TINY, _SMALL, _MIDDLE = 8, 4, 2
+"""Divisors of the sides: of the two small sizes, the last ones, and of that for slow cells."""
 _SLOW = 4.0
-"""Seconds of a cell at the smaller size beyond which it is not drawn at the other one."""
+"""Seconds of a cell at the smaller size beyond which it is not drawn at a larger one."""
 _NOT_DRAWING = ("building", "metrics", "references")
 _OWN_BYTES = 20
 """Of the picture and the depth of a frame, for each pixel, which no method accounts for."""
@@ -166,17 +166,24 @@ class Sampler:
             Cells to draw.
         """
         found = SceneSamples(cells)
-        small, middle = (_divided(cells[0].size, part) for part in (_SMALL, _MIDDLE))
+        full = cells[0].size
+        tiny, small, middle = (_divided(full, part) for part in (_TINY, _SMALL, _MIDDLE))
         chosen = choose(cells, number, count)
         firsts = self._draw_all(chosen, small)
         agains = self._draw_all(firsts, small)
         slow = {cell: one for cell, one in agains.items() if one.seconds > _SLOW}
         middles, shared = self._draw_sharing([cell for cell in agains if cell not in slow], middle)
+        tinies = self._draw_all(slow, tiny)
         rounds = self._time(middles, middle) | self._time(slow, small) if self.timed else {}
         for cell, again in agains.items():
-            pixels = [math.prod(size) for size in (small, middle, cell.size)]
-            sizes = firsts[cell], again, middles.get(cell)
-            found.samples.append(_sample(cell, pixels, *sizes, rounds.get(cell, 0.0)))
+            larger = middles.get(cell)
+            if larger is None:
+                sizes, pair = (tiny, small, full), (tinies.get(cell), again)
+            else:
+                sizes, pair = (small, middle, full), (again, larger)
+            pixels = [math.prod(size) for size in sizes]
+            first = firsts[cell].seconds - again.seconds
+            found.samples.append(_sample(cell, pixels, first, *pair, rounds.get(cell, 0.0)))
         if found.samples:
             _correct_first(found)
             grown = (
@@ -265,40 +272,40 @@ def _correct_first(found: SceneSamples) -> None:
 def _sample(
     cell: Cell,
     pixels: Sequence[int],
-    first: Drawn,
-    again: Drawn,
-    middle: Drawn | None,
+    first: float,
+    smaller: Drawn | None,
+    larger: Drawn,
     round: float,
 ) -> Sample:
-    """Return the costs of a cell at its full size, from one or two small ones.
+    """Return the costs of a cell at its full size, from two small ones.
 
     Parameters
     ----------
     cell : Cell
     pixels : sequence of int
-        Of the small, the middle and the full size.
-    first, again : Drawn
-        At the small size.
-    middle : Drawn, optional
-        Default: the cell was drawn at the small size alone.
+        Of the smaller, the larger and the full size.
+    first : float
+        Seconds that only the first drawing took.
+    smaller : Drawn, optional
+        Default: costs are proportional to the pixels.
+    larger : Drawn
     round : float
-        Seconds in one round of timing at the larger of its sizes.
+        Seconds in one round of timing at the larger size.
     """
-    largest = again if middle is None else middle
 
     def full(cost: Callable[[Drawn], float]) -> float:
-        if middle is None:
-            return cost(again) * pixels[2] / pixels[0]
-        return extrapolate(pixels, cost(again), cost(middle))
+        if smaller is None:
+            return cost(larger) * pixels[2] / pixels[1]
+        return extrapolate(pixels, cost(smaller), cost(larger))
 
     seconds = full(lambda drawn: drawn.seconds)
     return Sample(
         cell,
-        first=max(0.0, first.seconds - again.seconds),
+        first=max(0.0, first),
         again=seconds,
         metrics=full(lambda drawn: drawn.metrics),
-        round=round * seconds / largest.seconds,
-        picture=full(lambda drawn: _bytes(drawn, "color")) + largest.line,
+        round=round * seconds / larger.seconds,
+        picture=full(lambda drawn: _bytes(drawn, "color")) + larger.line,
         flip=full(lambda drawn: _bytes(drawn, flip_image(EXACT))),
         shared=full(lambda drawn: _bytes(drawn, EXACT, COMPLEXITY, TRANSMITTANCE)),
         memory=_OWN_BYTES * pixels[-1] + full(lambda drawn: drawn.outcome.memory.bytes),

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from pathlib import Path
+from typing import cast
 
 import pytest
 
@@ -14,9 +15,11 @@ from oitbench.matrix.cell import Cell
 from oitbench.matrix.estimate import estimate, speedup, timing_seconds
 from oitbench.matrix.plan import Matrix, plan_matrix
 from oitbench.matrix.run import run_matrix
-from oitbench.matrix.sampling import choose, extrapolate
+from oitbench.matrix.sampling import Drawn, Sampler, choose, extrapolate
 from oitbench.measure.rounds import Schedule
 from oitbench.results.store import CELLS
+from oitbench.workers.process import Process
+from tests.made_up import outcome_of
 
 SCENES, METHODS = ["glass_bars", "layer_stack[count=3]"], ["a_buffer", "weighted_sum"]
 
@@ -111,7 +114,7 @@ def test_the_estimated_disk_space_is_that_of_a_run(tmp_path: Path) -> None:
     assert written / 2 < found.disk < 2 * written
 
 
-def test_a_cell_that_is_slow_at_the_smallest_size_is_drawn_at_no_other(
+def test_a_cell_that_is_slow_at_a_small_size_is_drawn_at_a_smaller_one(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(sampling, "_SLOW", 0.0)
@@ -120,8 +123,21 @@ def test_a_cell_that_is_slow_at_the_smallest_size_is_drawn_at_no_other(
     found = estimate(matrix, lambda labels, stage: stages.append(stage))
     sizes = {stage.split()[-1] for stage in stages if stage.startswith("probing at")}
     # Cells of the costliest scenes are drawn at their full size, if they are fast enough there.
-    assert sizes == {"16x16", "64x64"}
+    assert sizes == {"8x8", "16x16", "64x64"}
     assert all(0.0 < seconds < math.inf for seconds in found.seconds.values())
+
+
+def test_the_fixed_cost_of_a_slow_cell_does_not_grow(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Millions of triangles take as long in a small picture as in a large one."""
+
+    def draw(sampler: Sampler, cell: Cell, size: tuple[int, int]) -> Drawn:
+        return Drawn(5 + 1e-3 * math.prod(size), 0.0, 0.0, 0, outcome_of({}, {}))
+
+    monkeypatch.setattr(Sampler, "draw", draw)
+    monkeypatch.setattr(Sampler, "_truths", lambda sampler, cell: [])
+    sampler = Sampler(cast(Process, None), None, False, lambda labels, stage: None)
+    found = sampler.sample([Cell("s", "m", (64, 64))], 0, 1)
+    assert found.samples[0].again == pytest.approx(5 + 1e-3 * 64 * 64)
 
 
 def test_truths_that_are_missing_are_counted_and_not_rendered(
