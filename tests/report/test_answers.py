@@ -106,18 +106,27 @@ def test_without_times_only_the_least_error_is_known(tmp_path: Path) -> None:
     assert answers.described(answer.least) == "FLIP 0.100"
 
 
-def test_times_come_from_the_scenes_that_were_timed(tmp_path: Path) -> None:
-    found = panels(
+def half_timed(tmp_path: Path, last: float | None) -> list[Panel]:
+    """Return two scenes, of which the second one has the time of one method, or none."""
+    return panels(
         tmp_path,
         cell("a", "x", 0.1, 10.0),
         cell("a", "y", 0.2, 40.0),
         cell("b", "x", 0.3, None),
-        cell("b", "y", 0.1, None),
+        cell("b", "y", 0.1, last),
     )
-    answer = only_answer(found)
+
+
+def test_times_come_from_the_scenes_that_were_timed(tmp_path: Path) -> None:
+    answer = only_answer(half_timed(tmp_path, None))
     assert (answer.least.price.method, answer.least.price.ms) == ("y", 40.0)
     assert answer.fastest is not None
     assert (answer.fastest.price.method, answer.timed) == ("x", 1)
+
+
+def test_a_method_that_lacks_one_time_has_none(tmp_path: Path) -> None:
+    (subject,) = answers.subjects(half_timed(tmp_path, 50.0), FLIP)
+    assert {price.method: price.cost for price in subject.prices} == {"x": None, "y": 1.0}
 
 
 def test_the_table_says_how_many_scenes_were_timed(tmp_path: Path) -> None:
@@ -127,18 +136,6 @@ def test_the_table_says_how_many_scenes_were_timed(tmp_path: Path) -> None:
     table = Collection.load().reports["answer"].build(shown)[0]
     assert isinstance(table, Choices)
     assert [row.remark for row in table.rows] == ["mean of 2 scenes, times of 1"]
-
-
-def test_a_method_that_lacks_one_time_has_none(tmp_path: Path) -> None:
-    found = panels(
-        tmp_path,
-        cell("a", "x", 0.1, 10.0),
-        cell("a", "y", 0.2, 40.0),
-        cell("b", "x", 0.1, None),
-        cell("b", "y", 0.2, 50.0),
-    )
-    (subject,) = answers.subjects(found, FLIP)
-    assert {price.method: price.cost for price in subject.prices} == {"x": None, "y": 1.0}
 
 
 def test_subjects_of_many_scenes_come_first_and_others_last(tmp_path: Path) -> None:

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from oitbench.report import Column
 from oitbench.report.templates import environment
 from tests.report.made_up import context
 
@@ -16,6 +17,25 @@ def test_code_is_marked_and_all_else_escaped(tmp_path: Path) -> None:
     assert code("run `a <b>` & <i>") == "run <code>a &lt;b&gt;</code> &amp; &lt;i&gt;"
     # An odd backtick marks nothing.
     assert code("5` <b>") == "5` &lt;b&gt;"
+
+
+@pytest.mark.parametrize(
+    ("value", "key", "text"),
+    [
+        (1234567, None, "1,234,567"),
+        (0.123456789012, "0.123456789", "0.123"),
+        ("a, b", "a, b", "a, b"),
+        (None, "", "–"),
+    ],
+)
+def test_a_number_has_a_key_for_sorting_unless_its_text_is_one(
+    tmp_path: Path, value: float | str | None, key: str | None, text: str
+) -> None:
+    """A report may write words into a column of numbers."""
+    template = environment(context(tmp_path, [], tmp_path)).get_template("tables.html")
+    cell = template.make_module().cell(Column("x", "X"), value)  # type: ignore[attr-defined]
+    attribute = "" if key is None else f' data-sort="{key}"'
+    assert cell.strip() == f'<td class="number"{attribute}>{text}</td>'
 
 
 @pytest.mark.parametrize("count", range(2, 60))
