@@ -130,11 +130,11 @@ def _figure(
         axes.grid(True, axis="x")
         axes.set_xlim(0, length)
         last = len(bars) + 0.5
-        drawn = [_draw(axes, row, bar, length) for row, bar in enumerate(bars.values())]
+        shapes = [_lay_out(axes, row, bar, length) for row, bar in enumerate(bars.values())]
         broken = shared.length > longest
-        draw_last = _draw_broken if broken else _draw
-        drawn.append(draw_last(axes, last, shared, longest if broken else length))
-        _add_shapes(axes, drawn)
+        lay_out = _lay_out_broken if broken else _lay_out
+        shapes.append(lay_out(axes, last, shared, longest if broken else length))
+        _add_shapes(axes, shapes)
         axes.axhline(len(bars) - 0.25, color=figures.QUIET, linewidth=0.6)
         axes.set_yticks([*range(len(bars)), last], [*bars, _SHARED_NAME])
         axes.set_ylim(last + 0.6, -0.6)
@@ -142,7 +142,7 @@ def _figure(
         # The labels of methods need neither tick marks nor a line.
         axes.tick_params(axis="y", length=0)
         axes.spines["left"].set_visible(False)
-        used = {color for bar in drawn for color in bar.colors}
+        used = {color for bar in shapes for color in bar.colors}
         shown = {name: color for name, color in account.legend.items() if color in used}
         if shown:
             _add_legend(axes, shown)
@@ -185,7 +185,7 @@ def _add_shapes(axes: Axes, bars: Sequence[_Shapes]) -> None:
     axes.add_collection(LineCollection(separators, colors="white", linewidths=1.2, zorder=2))
 
 
-def _draw(axes: Axes, row: float, bar: Bar, length: float) -> _Shapes:
+def _lay_out(axes: Axes, row: float, bar: Bar, length: float) -> _Shapes:
     """Write the names of the blocks of a bar, and the total at its end; return its shapes."""
     parts = [part for block in bar.blocks for part in block.parts]
     ends = [0.0, *accumulate(value for _, value in parts)]
@@ -208,10 +208,10 @@ def _draw(axes: Axes, row: float, bar: Bar, length: float) -> _Shapes:
     return _Shapes(boxes, tuple(color for color, _ in parts), tuple(separators))
 
 
-def _draw_broken(axes: Axes, row: float, bar: Bar, end: float) -> _Shapes:
+def _lay_out_broken(axes: Axes, row: float, bar: Bar, end: float) -> _Shapes:
     """Draw a bar that is longer than all others up to `end`, with a visible break."""
     whole, half = Bar((Block("", ((SHARED, end),)),), bar.total), _BAR_HEIGHT / 2 + 0.12
-    shapes = _draw(axes, row, whole, end)
+    shapes = _lay_out(axes, row, whole, end)
     for left in (0.9, 0.915):
         axes.plot(
             [left * end, (left + 0.01) * end],
