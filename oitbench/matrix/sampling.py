@@ -27,7 +27,7 @@ OnStage = Callable[[str, str], None]
 LEAST_SAMPLES, MOST_SAMPLES = 2, 4
 """Cells of each scene that are drawn."""
 _TINY, _SMALL, _MIDDLE = 8, 4, 2
-"""Divisors of the sides: of the two small sizes, the last ones, and of that for slow cells."""
+"""Divisors of the sides of the small sizes; the first one is for slow cells alone."""
 _SLOW = 4.0
 """Seconds of a cell at the smaller size beyond which it is not drawn at a larger one."""
 _NOT_DRAWING = ("building", "metrics", "references")
