@@ -16,15 +16,8 @@ from oitbench.matrix.cost_model import CostModel
 from oitbench.matrix.plan import Matrix
 from oitbench.matrix.probe import ProbedTruth, ProbeUsage, UsageProbed
 from oitbench.matrix.resume import Resume
-from oitbench.matrix.sampling import (
-    LEAST_SAMPLES,
-    MOST_SAMPLES,
-    TASKS,
-    OnStage,
-    Sample,
-    Sampler,
-    SceneSamples,
-)
+from oitbench.matrix.samples import Sample, SceneSamples
+from oitbench.matrix.sampling import LEAST_SAMPLES, MOST_SAMPLES, TASKS, OnStage, Sampler
 from oitbench.matrix.worker import CellsIdentified, Greeting, Hello, IdentifyCells, far_end
 from oitbench.measure.rounds import LEAST, LEAST_OF_SLOW, SLOW, WARM_UP, Schedule
 from oitbench.results.schema import Fingerprints
@@ -239,9 +232,9 @@ def _calibrate(
         sample = min(own.samples, key=lambda one: abs(one.again - _LONGEST / 2))
         if sample.again > _LONGEST:
             continue
-        drawn = sampler.draw(sample.cell, sample.cell.size)
+        drawn = sampler.draw(sample.cell, sample.cell.size, permuted=True)
         if drawn is not None:
-            real += drawn.seconds
+            real += drawn.seconds + drawn.permutations
             expected += sample.again + own.sharing
             metrics.append(drawn.metrics)
     if not metrics:

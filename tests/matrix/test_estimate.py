@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import cast
@@ -14,8 +15,10 @@ from oitbench.matrix import sampling
 from oitbench.matrix.cell import Cell
 from oitbench.matrix.estimate import estimate, speedup, timing_seconds
 from oitbench.matrix.plan import Matrix, plan_matrix
+from oitbench.matrix.probe import ProbedTruth
 from oitbench.matrix.run import run_matrix
-from oitbench.matrix.sampling import Drawn, Sampler, choose, extrapolate
+from oitbench.matrix.samples import Drawn, Sample, extrapolate
+from oitbench.matrix.sampling import Sampler, choose
 from oitbench.measure.rounds import Schedule
 from oitbench.results.store import CELLS
 from oitbench.workers.process import Process
@@ -127,17 +130,60 @@ def test_a_cell_that_is_slow_at_a_small_size_is_drawn_at_a_smaller_one(
     assert all(0.0 < seconds < math.inf for seconds in found.seconds.values())
 
 
-def test_the_fixed_cost_of_a_slow_cell_does_not_grow(monkeypatch: pytest.MonkeyPatch) -> None:
+def sample_of(cost: Callable[[tuple[int, int], bool], Drawn | None], cell: Cell) -> Sample:
+    """Return the sample of a cell, given what it costs at a size, with permuted draws or not."""
+
+    class MadeUp(Sampler):
+        def draw(
+            self, cell: Cell, size: tuple[int, int], *, permuted: bool = False
+        ) -> Drawn | None:
+            return cost(size, permuted)
+
+        def _truths(self, cell: Cell) -> list[ProbedTruth]:
+            return []
+
+    sampler = MadeUp(cast(Process, None), None, False, lambda labels, stage: None)
+    (sample,) = sampler.sample([cell], 0, 1).samples
+    return sample
+
+
+def drawn(seconds: float, permutations: float = 0.0) -> Drawn:
+    return Drawn(seconds, permutations, 0.0, 0.0, 0, outcome_of({}, {}))
+
+
+def test_the_fixed_cost_of_a_slow_cell_does_not_grow() -> None:
     """Millions of triangles take as long in a small picture as in a large one."""
+    sample = sample_of(
+        lambda size, permuted: drawn(5 + 1e-3 * math.prod(size)), Cell("s", "m", (64, 64))
+    )
+    assert sample.again == pytest.approx(5 + 1e-3 * 64 * 64)
 
-    def draw(sampler: Sampler, cell: Cell, size: tuple[int, int]) -> Drawn:
-        return Drawn(5 + 1e-3 * math.prod(size), 0.0, 0.0, 0, outcome_of({}, {}))
 
-    monkeypatch.setattr(Sampler, "draw", draw)
-    monkeypatch.setattr(Sampler, "_truths", lambda sampler, cell: [])
-    sampler = Sampler(cast(Process, None), None, False, lambda labels, stage: None)
-    found = sampler.sample([Cell("s", "m", (64, 64))], 0, 1)
-    assert found.samples[0].again == pytest.approx(5 + 1e-3 * 64 * 64)
+def test_a_slow_cell_that_fails_at_a_smaller_size_is_drawn_at_a_larger_one() -> None:
+    """All layers of hair lie at few pixels then, which are more than a method may hold."""
+
+    def cost(size: tuple[int, int], permuted: bool) -> Drawn | None:
+        return None if size[0] < 16 else drawn(5 + 1e-3 * math.prod(size))
+
+    sample = sample_of(cost, Cell("s", "m", (64, 64)))
+    assert sample.again == pytest.approx(5 + 1e-3 * 64 * 64)
+
+
+@pytest.mark.parametrize(
+    ("size", "growth"),
+    [
+        ((512, 512), 1.0),
+        # Permuted pictures of 256 x 144 pixels; those of a quarter of the size have 320 x 180.
+        ((1280, 720), (256 * 144) / (320 * 180)),
+    ],
+)
+def test_permuted_draws_do_not_grow_with_the_picture(size: tuple[int, int], growth: float) -> None:
+    def cost(size: tuple[int, int], permuted: bool) -> Drawn:
+        return drawn(1e-6 * math.prod(size), 7.0 if permuted else 0.0)
+
+    sample = sample_of(cost, Cell("s", "m", size))
+    assert sample.permutations == pytest.approx(7.0 * growth)
+    assert sample.again == pytest.approx(1e-6 * math.prod(size) + 7.0 * growth)
 
 
 def test_truths_that_are_missing_are_counted_and_not_rendered(
