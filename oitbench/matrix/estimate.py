@@ -171,15 +171,13 @@ class _Costs:
         self.drawing = self._model(lambda sample: sample.first + sample.again)
         self.round = self._model(lambda sample: sample.round)
         self.memory = self._model(lambda sample: sample.memory)
-        self.metrics = self._mean(lambda sample: sample.metrics)
+        known = [sample.metrics for sample in self.samples if sample.metrics is not None]
+        self.metrics = sum(known) / max(1, len(known))
         self.picture = self._model(lambda sample: sample.picture)
         self.flip = self._model(lambda sample: sample.flip)
 
     def _model(self, cost: Callable[[Sample], float]) -> CostModel:
         return CostModel([(sample.cell, cost(sample)) for sample in self.samples])
-
-    def _mean(self, cost: Callable[[Sample], float]) -> float:
-        return sum(map(cost, self.samples)) / len(self.samples)
 
 
 def _add_up(
@@ -224,7 +222,7 @@ def _calibrate(
     factor : float
         By which drawing takes longer than was extrapolated.
     metrics : float
-        Seconds of scoring a cell against exact compositing.
+        Seconds of scoring a cell against a truth.
     """
     order = sorted(range(len(samples)), key=lambda k: -drawing[k])
     real, expected, metrics = 0.0, 0.0, []
@@ -236,10 +234,9 @@ def _calibrate(
         if drawn is not None:
             real += drawn.seconds + drawn.permutations
             expected += sample.again + own.sharing
-            metrics.append(drawn.metrics)
-    if not metrics:
-        return 1.0, costs.metrics
-    return real / expected, sum(metrics) / len(metrics)
+            metrics += [] if drawn.perfect else [drawn.metrics]
+    factor = real / expected if expected else 1.0
+    return factor, sum(metrics) / len(metrics) if metrics else costs.metrics
 
 
 def _scoring(truths: Sequence[ProbedTruth], cell: Cell, metrics: float) -> float:

@@ -7,11 +7,12 @@ determine it. Permuted draws are the exception, as their pictures are small in e
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 
 import msgspec
 
+from oitbench.image.metrics import RMSE
 from oitbench.matrix.cell import Cell
 from oitbench.matrix.probe import ProbedTruth
 from oitbench.results.schema import COMPLEXITY, TRANSMITTANCE, Outcome, flip_image
@@ -47,6 +48,12 @@ class Drawn:
     line: int
     outcome: Outcome
 
+    @property
+    def perfect(self) -> bool:
+        """Whether its picture equals exact compositing, so that no map of FLIP was computed."""
+        scores = self.outcome.scores.get(EXACT)
+        return scores is not None and scores.metrics.get(RMSE) == 0.0
+
 
 @dataclass(frozen=True)
 class Sample:
@@ -59,8 +66,8 @@ class Sample:
         Seconds that only the first drawing takes, as it compiles shaders.
     drawing, permutations : float
         Seconds of each further one: without permuted draws, and of these.
-    metrics : float
-        Seconds of scoring it against exact compositing.
+    metrics : float, optional
+        Seconds of scoring it against a truth; unknown if it equals exact compositing.
     round : float
         Seconds of it in one round of timing; 0 without timing.
     picture, flip, shared : float
@@ -74,7 +81,7 @@ class Sample:
     first: float
     drawing: float
     permutations: float
-    metrics: float
+    metrics: float | None
     round: float
     picture: float
     flip: float
@@ -111,28 +118,27 @@ class SceneSamples:
     truths: list[ProbedTruth] = field(default_factory=list)
 
 
-def share(
-    found: SceneSamples,
-    smalls: Mapping[Cell, Drawn],
-    middles: Mapping[Cell, Drawn],
-    shared: float,
-) -> None:
+def share(found: SceneSamples, again: Drawn, shared: float | None, pixels: Sequence[int]) -> None:
     """Count what all samples share for their scene, and not for the first one of them.
 
     Parameters
     ----------
     found : SceneSamples
-    smalls, middles : mapping of Cell to Drawn
-        At two small sizes.
-    shared : float
-        Seconds of what is shared at the second one.
+    again : Drawn
+        The first cell at the small size, after all else was drawn there.
+    shared : float, optional
+        Seconds of what is shared at the middle size, if cells were drawn there.
+    pixels : sequence of int
+        Of the small, the middle and the full size.
     """
     first, *others = found.samples
     usual = min(first.first, sum(sample.first for sample in others) / max(1, len(others)))
     found.samples[0] = replace(first, first=usual)
-    seconds, drawn = (shared, middles) if middles else (first.first - usual, smalls)
-    one = next(sample for sample in found.samples if sample.cell in drawn)
-    found.sharing = seconds * one.drawing / drawn[one.cell].seconds
+    excess = first.first - usual
+    if shared is None:
+        found.sharing = excess * first.drawing / again.seconds
+    else:
+        found.sharing = extrapolate(pixels, min(excess, shared), shared)
 
 
 def permuted_growth(cell: Cell, small: Size) -> float:
@@ -180,7 +186,7 @@ def extrapolated(
         first=first,
         drawing=drawing,
         permutations=permutations,
-        metrics=full(lambda drawn: drawn.metrics),
+        metrics=None if larger.perfect else full(lambda drawn: drawn.metrics),
         round=round * drawing / larger.seconds,
         picture=full(lambda drawn: _bytes(drawn, "color")) + larger.line,
         flip=full(lambda drawn: _bytes(drawn, flip_image(EXACT))),

@@ -93,7 +93,10 @@ class Sampler:
         agains = self._draw_all(firsts, small, permuted=True)
         slow = [cell for cell, one in agains.items() if one.seconds > _SLOW]
         tinies, _ = self._draw_sharing(slow, tiny)
-        middles, shared = self._draw_sharing([c for c in agains if c not in tinies], middle)
+        # Permuted pictures of a quarter may be smaller than those of the whole.
+        permuted = permuted_growth(cells[0], small) > 1
+        others = [cell for cell in agains if cell not in tinies]
+        middles, shared = self._draw_sharing(others, middle, permuted=permuted)
         rounds: dict[Cell, float] = {}
         if self.timed:
             rounds = self._time({cell: agains[cell] for cell in tinies}, small)
@@ -103,6 +106,7 @@ class Sampler:
             sizes, larger = (small, middle, full), middles.get(cell)
             if larger is None:
                 sizes, smaller, larger = (tiny, small, full), tinies.get(cell), again
+            size, drawn = (middle, larger) if permuted and cell in middles else (small, again)
             found.samples.append(
                 extrapolated(
                     cell,
@@ -110,26 +114,30 @@ class Sampler:
                     smaller,
                     larger,
                     first=max(0.0, firsts[cell].seconds - again.seconds),
-                    permutations=again.permutations * permuted_growth(cell, small),
+                    permutations=drawn.permutations * permuted_growth(cell, size),
                     round=rounds.get(cell, 0.0),
                 )
             )
         if found.samples:
             found.building = max(one.building for one in firsts.values())
-            share(found, agains, middles, shared)
+            pixels = [math.prod(size) for size in (small, middle, full)]
+            again = agains[found.samples[0].cell]
+            share(found, again, shared if middles else None, pixels)
             found.truths = self._truths(cells[0])
         return found
 
-    def _draw_sharing(self, cells: list[Cell], size: Size) -> tuple[dict[Cell, Drawn], float]:
+    def _draw_sharing(
+        self, cells: list[Cell], size: Size, *, permuted: bool = False
+    ) -> tuple[dict[Cell, Drawn], float]:
         """Draw cells at a new size, and return also the seconds of what they share there.
 
         The first cell uploads the scene and draws exact compositing; then it is drawn again.
         """
-        drawn = self._draw_all(cells, size)
+        drawn = self._draw_all(cells, size, permuted=permuted)
         if not drawn:
             return {}, 0.0
         first = next(iter(drawn))
-        again = self.draw(first, size) or drawn[first]
+        again = self.draw(first, size, permuted=permuted) or drawn[first]
         sharing, drawn[first] = drawn[first].seconds - again.seconds, again
         return drawn, max(0.0, sharing)
 

@@ -11,16 +11,19 @@ from typing import cast
 import pytest
 
 from oitbench.errors import UsageError
+from oitbench.image.metrics import RMSE
 from oitbench.matrix import sampling
 from oitbench.matrix.cell import Cell
 from oitbench.matrix.estimate import estimate, speedup, timing_seconds
 from oitbench.matrix.plan import Matrix, plan_matrix
 from oitbench.matrix.probe import ProbedTruth
 from oitbench.matrix.run import run_matrix
-from oitbench.matrix.samples import Drawn, Sample, extrapolate
+from oitbench.matrix.samples import Drawn, Sample, SceneSamples, extrapolate
 from oitbench.matrix.sampling import Sampler, choose
 from oitbench.measure.rounds import Schedule
+from oitbench.results.schema import Scores
 from oitbench.results.store import CELLS
+from oitbench.truths import EXACT
 from oitbench.workers.process import Process
 from tests.made_up import outcome_of
 
@@ -132,6 +135,12 @@ def test_a_cell_that_is_slow_at_a_small_size_is_drawn_at_a_smaller_one(
 
 def sample_of(cost: Callable[[tuple[int, int], bool], Drawn | None], cell: Cell) -> Sample:
     """Return the sample of a cell, given what it costs at a size, with permuted draws or not."""
+    (sample,) = samples_of(cost, cell).samples
+    return sample
+
+
+def samples_of(cost: Callable[[tuple[int, int], bool], Drawn | None], cell: Cell) -> SceneSamples:
+    """Return the samples of a scene with a single cell, as `sample_of`."""
 
     class MadeUp(Sampler):
         def draw(
@@ -143,12 +152,12 @@ def sample_of(cost: Callable[[tuple[int, int], bool], Drawn | None], cell: Cell)
             return []
 
     sampler = MadeUp(cast(Process, None), None, False, lambda labels, stage: None)
-    (sample,) = sampler.sample([cell], 0, 1).samples
-    return sample
+    return sampler.sample([cell], 0, 1)
 
 
-def drawn(seconds: float, permutations: float = 0.0) -> Drawn:
-    return Drawn(seconds, permutations, 0.0, 0.0, 0, outcome_of({}, {}))
+def drawn(seconds: float, permutations: float = 0.0, rmse: float = 0.1) -> Drawn:
+    outcome = outcome_of({EXACT: Scores({RMSE: rmse})}, {})
+    return Drawn(seconds, permutations, 0.0, 3.0, 0, outcome)
 
 
 def test_the_fixed_cost_of_a_slow_cell_does_not_grow() -> None:
@@ -173,6 +182,8 @@ def test_a_slow_cell_that_fails_at_a_smaller_size_is_drawn_at_a_larger_one() -> 
     ("size", "growth"),
     [
         ((512, 512), 1.0),
+        # Permuted pictures of a quarter have 64 x 64 pixels, those of a half 128 x 128.
+        ((256, 256), 1.0),
         # Permuted pictures of 256 x 144 pixels; those of a quarter of the size have 320 x 180.
         ((1280, 720), (256 * 144) / (320 * 180)),
     ],
@@ -184,6 +195,27 @@ def test_permuted_draws_do_not_grow_with_the_picture(size: tuple[int, int], grow
     sample = sample_of(cost, Cell("s", "m", size))
     assert sample.permutations == pytest.approx(7.0 * growth)
     assert sample.again == pytest.approx(1e-6 * math.prod(size) + 7.0 * growth)
+
+
+def test_what_cells_share_may_grow_with_the_picture_and_counts_once() -> None:
+    """The first cell at each size uploads its scene (2 s), and draws exact compositing."""
+    seen = set()
+
+    def cost(size: tuple[int, int], permuted: bool) -> Drawn:
+        shared = 0.0 if size in seen else 2 + 1e-4 * math.prod(size)
+        seen.add(size)
+        return drawn(1e-5 * math.prod(size) + shared)
+
+    found = samples_of(cost, Cell("s", "m", (256, 256)))
+    assert found.sharing == pytest.approx(2 + 1e-4 * 256 * 256)
+    assert found.samples[0].again == pytest.approx(1e-5 * 256 * 256)
+    assert found.samples[0].first == pytest.approx(0.0)
+
+
+def test_a_picture_that_equals_exact_compositing_does_not_show_what_scoring_takes() -> None:
+    cell = Cell("s", "m", (64, 64))
+    assert sample_of(lambda size, permuted: drawn(1.0), cell).metrics == 3.0
+    assert sample_of(lambda size, permuted: drawn(1.0, rmse=0.0), cell).metrics is None
 
 
 def test_truths_that_are_missing_are_counted_and_not_rendered(
