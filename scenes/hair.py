@@ -142,7 +142,8 @@ def _shades(random: np.random.Generator, curves: Floats, shadows: _Shadows) -> F
     color = DARK + (LIGHT - DARK) * tone
     shift = 0.09 * random.normal(size=(count, 1))
     key_sky = np.asarray(KEY.sky)
-    total = color * (0.30 + 0.70 * shadows.sky(curves)) * key_sky * shadows.sky(curves) * 1.6
+    sky = shadows.sky(curves)
+    total = color * (0.30 + 0.70 * sky) * key_sky * sky * 1.6
     for direction, light, lit in (
         (KEY.direction, np.asarray(KEY.key), shadows.key(curves)),
         (unit(np.asarray(RIM)), np.asarray(RIM_LIGHT), shadows.rim(curves)),

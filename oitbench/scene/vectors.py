@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import reduce
+
 import numpy as np
 import numpy.typing as npt
 
@@ -31,14 +33,16 @@ def opposite(direction: Vector) -> Vector:
 
 def unit(vectors: Floats) -> Floats:
     """Return vectors of length one in the same directions; the last axis holds the components."""
+    # Sums over whole components are several times faster than over an axis of three numbers.
     scaled = _near_one(vectors)
-    return np.asarray(scaled / np.linalg.norm(scaled, axis=-1, keepdims=True))
+    squares = [component**2 for component in np.moveaxis(scaled, -1, 0)]
+    return np.asarray(scaled / np.sqrt(sum(squares))[..., None])
 
 
 def _near_one(vectors: Floats) -> Floats:
     """Scale vectors by powers of two, without rounding, so that no square of them overflows."""
-    _, exponent = np.frexp(np.abs(vectors).max(axis=-1, keepdims=True))
-    return np.asarray(np.ldexp(vectors, -exponent))
+    _, exponent = np.frexp(reduce(np.maximum, np.moveaxis(np.abs(vectors), -1, 0)))
+    return np.asarray(np.ldexp(vectors, -exponent[..., None]))
 
 
 def axes_along(back: npt.ArrayLike, up: npt.ArrayLike | None = None) -> Floats:

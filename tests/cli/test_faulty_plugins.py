@@ -16,7 +16,7 @@ from tests.path_traced.agreement import needs_mitsuba
 FAULTS = {
     "exits": "import os; os._exit(7)",
     "crashes": "import ctypes; ctypes.string_at(0)",
-    "hangs": "while True: pass",
+    "hangs": "import time; time.sleep(3600)",
     "raises": "raise ValueError('unwell')",
 }
 REASONS = {

@@ -182,10 +182,14 @@ def test_workers_that_fail_a_check_are_left_out(address: str, tmp_path: Path) ->
             executor.admit(refuse)
 
 
-def test_places_that_do_not_exist_are_refused(tmp_path: Path) -> None:
+def test_places_that_do_not_exist_are_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     with pytest.raises(UsageError, match="workers is -1"):
         Place(workers=-1)
     pytest.importorskip("distributed")
+    # Nothing answers at these places, however long one waits.
+    monkeypatch.setattr("oitbench.executors.cluster._CONNECT_SECONDS", 2.0)
     for wrong in ("tcp://127.0.0.1:9", "nonsense"):
         with pytest.raises(UsageError, match=f"no Dask scheduler answers at {wrong}"):
             Place(dask=wrong).open(far_end(tmp_path))

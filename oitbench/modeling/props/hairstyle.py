@@ -78,9 +78,7 @@ def _fall(random: np.random.Generator, starts: Floats, body: Voxels, points: int
         heading = unit(heading + [0.0, -pull, 0.0] + gather[:, None] * aside)
         moved = place + _STEP * heading
         room = lift * min(1.0, (index + 1) / 6)
-        for _ in range(2):
-            inside = np.maximum(room - body.at(moved), 0)[:, None]
-            moved = moved + inside * body.gradient(moved)
+        moved = _pushed_out(moved, body, room)
         heading = unit(0.35 * heading + 0.65 * unit(moved - place))
         place = place + _STEP * unit(moved - place)
         path.append(place)
@@ -135,8 +133,16 @@ def _strands(
     stray = np.where(random.random((count, 1, 1)) < 0.06, 0.020, 0.0022)
     wander = np.cumsum(random.normal(size=(count, points, 3)), axis=1) / points**0.5
     curves = curves + stray * wander * t
-    for _ in range(2):
-        inside = np.maximum(0.0015 - body.at(curves), 0)[..., None]
-        curves = curves + inside * body.gradient(curves)
+    curves = _pushed_out(curves, body, 0.0015)
     curves[:, 0] = roots
-    return np.asarray(curves)
+    return curves
+
+
+def _pushed_out(points: Floats, body: Voxels, room: Floats | float) -> Floats:
+    """Return points, shape (..., 3), moved to a distance of at least about `room` from a body."""
+    points = points.copy()
+    for _ in range(2):
+        lacking = room - body.at(points)
+        inside = lacking > 0
+        points[inside] += lacking[inside][:, None] * body.gradient(points[inside])
+    return points
