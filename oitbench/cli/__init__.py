@@ -136,6 +136,8 @@ def _run() -> int:
 def _stopped() -> str:
     """Return what the end of a command by a signal costs."""
     verb = next((argument for argument in sys.argv[1:] if argument in VERBS), "")
+    if verb == "run" and "--dry-run" in sys.argv:
+        return "the estimate was stopped; nothing is kept of it"
     if verb == "run":
         return "run was stopped; finished cells are kept, run again to resume"
     return f"{verb} was stopped" if verb else "stopped"

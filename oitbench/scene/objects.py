@@ -199,8 +199,10 @@ class Object:
     @property
     def opaque(self) -> bool:
         """Whether no light passes the surface where it is; see `Material.opaque`."""
-        whole = self.mesh.coverage is None or self.material.cutoff is not None
-        return whole and self.material.opaque
+        # Asked last, a mesh that depends on the view is not made for an answer that is known.
+        return self.material.opaque and (
+            self.mesh.coverage is None or self.material.cutoff is not None
+        )
 
     @property
     def refracts(self) -> bool:

@@ -75,6 +75,24 @@ def test_a_stopped_run_ends_at_once_and_keeps_finished_cells(
     assert [record.scene for record in read_cells(tmp_path / CELLS).values()] == ["calm"]
 
 
+def test_a_stopped_estimate_says_that_nothing_is_kept(plugins: Path, tmp_path: Path) -> None:
+    command = [sys.executable, "-m", "oitbench", "run", "--dry-run", "--size", "16x16"]
+    command += ["--scene", "sleeper", "--method", "alpha_blend"]
+    command += ["--collection", str(plugins), "--out", str(tmp_path / "out")]
+    process = subprocess.Popen(
+        command, stderr=subprocess.PIPE, text=True, preexec_fn=accept_signals
+    )
+    try:
+        wait_for(lambda: len(psutil.Process(process.pid).children(recursive=True)) > 0)
+        process.send_signal(signal.SIGINT)
+        _, printed = process.communicate(timeout=SECONDS)
+    finally:
+        process.kill()
+    assert process.returncode == 128 + signal.SIGINT
+    assert "the estimate was stopped; nothing is kept of it" in printed
+    assert not (tmp_path / "out").exists()
+
+
 def test_several_signals_at_once_are_one_end(plugins: Path, tmp_path: Path) -> None:
     process = start(plugins, tmp_path, accept_signals)
     try:
