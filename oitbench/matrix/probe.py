@@ -44,9 +44,10 @@ class TruthsProbed(Struct, frozen=True, tag=True):
 
 
 class UsageProbed(Struct, frozen=True, tag=True):
-    """Bytes of memory, and seconds of CPU time of all threads."""
+    """Bytes of memory, now and at most so far, and seconds of CPU time of all threads."""
 
-    bytes: int
+    resident: int
+    peak: int
     cpu: float
 
 

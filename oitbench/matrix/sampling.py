@@ -99,7 +99,8 @@ class Sampler:
         middles, shared = self._draw_sharing(others, middle, permuted=permuted)
         rounds: dict[Cell, float] = {}
         if self.timed:
-            rounds = self._time({cell: agains[cell] for cell in tinies}, small)
+            smalls = {cell: one for cell, one in agains.items() if cell not in middles}
+            rounds = self._time(smalls, small)
             rounds |= self._time(middles, middle)
         for cell, again in agains.items():
             smaller: Drawn | None = again

@@ -207,7 +207,7 @@ def begin(settings: Settings, on_step: OnStep) -> Callable[[Request], Reply]:
             scene = bench.identities.scene(request.cell)
             return probe_truths(scene, request.cell, bench.collection.folders)
         if isinstance(request, ProbeUsage):
-            return UsageProbed(memory.peak(), time.process_time())
+            return UsageProbed(memory.resident(), memory.peak(), time.process_time())
         schedule = Schedule(request.rounds, request.budget, request.seed)
         return CellsTimed(bench.time(request.cells, schedule), bench.watch.take())
 
