@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.util
-import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import partial
@@ -24,6 +22,7 @@ from oitbench.errors import (
     locate,
     printable,
 )
+from oitbench.loading import load_module
 from oitbench.method.declaration import Method
 from oitbench.method.views import View
 from oitbench.parameters import AnyParameter, Parameter, Value
@@ -227,32 +226,6 @@ def installed_folder(value: str) -> Path:
     except (Exception, SystemExit) as error:
         raise DeclarationError(locate(error)) from error
     return Path(str(found.__path__[0] if isinstance(found, ModuleType) else found))
-
-
-def load_module(path: Path) -> ModuleType:
-    """Load a plugin's file under a private name that no other module has.
-
-    Raises
-    ------
-    DeclarationError
-        Its code fails. The message names file and line.
-    """
-    # Signs become their code points, so that `my-method` and `my_method` stay two modules.
-    name = "oitbench_plugin_" + "_".join(
-        "".join(c if c.isalnum() else f"_{ord(c):x}_" for c in part)
-        for part in path.with_suffix("").parts[1:]
-    )
-    specification = importlib.util.spec_from_file_location(name, path)
-    assert specification is not None
-    assert specification.loader is not None
-    module = importlib.util.module_from_spec(specification)
-    sys.modules[name] = module
-    try:
-        specification.loader.exec_module(module)
-    except (Exception, SystemExit) as error:
-        del sys.modules[name]
-        raise DeclarationError(locate(error, path)) from error
-    return module
 
 
 def _load_method(path: Path) -> type[Method]:

@@ -28,7 +28,7 @@ from oitbench.errors import DeclarationError, locate
 from oitbench.fingerprints.sources import sources_digest
 from oitbench.image import metrics
 from oitbench.image.files import Image
-from oitbench.plugins import load_module
+from oitbench.loading import load_module
 from oitbench.results.custom import CustomMetric
 
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*([@(][A-Za-z0-9_@()=.,+-]*)?")

@@ -9,8 +9,8 @@ import pytest
 
 from oitbench.claims import ledger
 from oitbench.errors import DeclarationError, UsageError
+from oitbench.loading import load_module
 from oitbench.places import own_folder
-from oitbench.plugins import load_module
 from oitbench.report import bibliography
 
 REPORTS = own_folder() / "reports"
