@@ -191,7 +191,7 @@ def _add_up(
 ) -> None:
     """Fill in the seconds of each scene, and the bytes of an estimate."""
     drawing = [float(costs.drawing.predict(scene.todo).sum()) for scene in due]
-    idle = _usage(sampler.worker).resident
+    resident = _usage(sampler.worker).resident
     factor, metrics = _calibrate(drawing, samples, costs, sampler)
     largest = 0.0
     for scene, own, seconds in zip(due, samples, drawing, strict=True):
@@ -209,7 +209,7 @@ def _add_up(
             if truth.pixels is None:
                 found.missing[truth.kind] = found.missing.get(truth.kind, 0) + 1
     # All frames of a scene are open while it is timed, in the memory of a software renderer.
-    found.memory = max(_usage(sampler.worker).peak, idle + (largest if software else 0.0))
+    found.memory = max(_usage(sampler.worker).peak, resident + (largest if software else 0.0))
 
 
 def _calibrate(

@@ -50,7 +50,7 @@ class Drawn:
 
     @property
     def perfect(self) -> bool:
-        """Whether its picture equals exact compositing, so that no map of FLIP was computed."""
+        """Whether its picture equals exact compositing, so that FLIP had no pixel to evaluate."""
         scores = self.outcome.scores.get(EXACT)
         return scores is not None and scores.metrics.get(RMSE) == 0.0
 
@@ -118,7 +118,9 @@ class SceneSamples:
     truths: list[ProbedTruth] = field(default_factory=list)
 
 
-def share(found: SceneSamples, again: Drawn, shared: float | None, pixels: Sequence[int]) -> None:
+def separate_shared(
+    found: SceneSamples, again: Drawn, shared: float | None, pixels: Sequence[int]
+) -> None:
     """Count what all samples share for their scene, and not for the first one of them.
 
     Parameters

@@ -16,7 +16,14 @@ import msgspec
 from oitbench.errors import OitbenchError, StorageError
 from oitbench.matrix.cell import Cell
 from oitbench.matrix.probe import ProbedTruth, ProbeTruths, TruthsProbed
-from oitbench.matrix.samples import Drawn, SceneSamples, Size, extrapolated, permuted_growth, share
+from oitbench.matrix.samples import (
+    Drawn,
+    SceneSamples,
+    Size,
+    extrapolated,
+    permuted_growth,
+    separate_shared,
+)
 from oitbench.matrix.timed_cells import ScoredCell
 from oitbench.matrix.worker import CellDone, CellsTimed, RunCell, TimeCells
 from oitbench.truths import EXACT
@@ -28,7 +35,7 @@ LEAST_SAMPLES, MOST_SAMPLES = 2, 4
 _TINY, _SMALL, _MIDDLE = 8, 4, 2
 """Divisors of the sides of the small sizes; the first one is for slow cells alone."""
 _SLOW = 4.0
-"""Seconds of a cell at the small size beyond which it is not drawn at a larger one."""
+"""Seconds of a cell at the small size beyond which it is drawn at the tiny one."""
 _NOT_DRAWING = ("permutations", "building", "metrics", "references")
 """Kinds of work of a cell that are no drawing at its own size."""
 TASKS = 2
@@ -122,8 +129,8 @@ class Sampler:
         if found.samples:
             found.building = max(one.building for one in firsts.values())
             pixels = [math.prod(size) for size in (small, middle, full)]
-            again = agains[found.samples[0].cell]
-            share(found, again, shared if middles else None, pixels)
+            alone = agains[found.samples[0].cell]
+            separate_shared(found, alone, shared if middles else None, pixels)
             found.truths = self._truths(cells[0])
         return found
 

@@ -16,7 +16,7 @@ from oitbench.matrix import sampling
 from oitbench.matrix.cell import Cell
 from oitbench.matrix.estimate import estimate, speedup, timing_seconds
 from oitbench.matrix.plan import Matrix, plan_matrix
-from oitbench.matrix.probe import ProbedTruth
+from oitbench.matrix.probe import ProbedTruth, UsageProbed
 from oitbench.matrix.run import run_matrix
 from oitbench.matrix.samples import Drawn, Sample, SceneSamples, extrapolate
 from oitbench.matrix.sampling import Sampler, choose
@@ -107,6 +107,21 @@ def test_an_estimate_lists_what_is_kept_and_writes_nothing(tmp_path: Path) -> No
     # Nothing is left to do, so nothing is probed.
     found = estimate(planned(SCENES[:1], METHODS[:1]))
     assert (found.todo, found.seconds, found.unknown) == (0, {}, [])
+
+
+@pytest.mark.parametrize(("resident", "peak"), [(0, 10**12), (10**12, 0)])
+def test_frames_that_are_timed_need_memory_beside_what_is_resident(
+    resident: int, peak: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The peak of the probes is past when all frames of a scene are opened."""
+    usage = UsageProbed(resident, peak, 0.0)
+    monkeypatch.setattr("oitbench.matrix.estimate._usage", lambda worker: usage)
+    matrix = plan_matrix(SCENES[:1], METHODS, preset="quick", size=(16, 16), out=tmp_path / "out")
+    found = estimate(matrix)
+    if peak:
+        assert found.memory == peak
+    else:
+        assert resident < found.memory < resident + 2**26
 
 
 def test_the_estimated_disk_space_is_that_of_a_run(tmp_path: Path) -> None:
